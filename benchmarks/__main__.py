@@ -11,7 +11,7 @@ from typing import Any
 import click
 from rich.console import Console
 
-from benchmarks import auto07p, page, store, tables
+from benchmarks import auto07p, page, store, tables, validation
 from benchmarks.machine import busy
 from benchmarks.rows import (
     biaxial,
@@ -100,7 +100,7 @@ def main(rows: tuple[str, ...], quick: bool, write_docs: bool) -> None:
     if not quick or write_docs:
         everything = {row: results.get(row) or store.load(row) for row in ROWS}
         written = page.write({row: result for row, result in everything.items() if result})
-        console.print(f"wrote {written.name}")
+        console.print(f"wrote {written.name} and {validation.write().name}")
 
 
 def missing_peers() -> list[str]:

@@ -121,7 +121,7 @@ def write(results: Results) -> Path:
 
 def _page(results: Results) -> Iterator[str]:
     yield _INTRODUCTION
-    yield from _warnings(results)
+    yield from warnings(results)
     yield from ("## What is asked", "", tables.targets(results).markdown(), "")
     yield "Met: `aim` where the aim is reached, `yes` where only the least that is asked is.\n"
     for row, title, text, table in _SECTIONS:
@@ -136,7 +136,8 @@ def _page(results: Results) -> Iterator[str]:
     yield from ("## Machine and versions", "", tables.environment(results.values()).markdown())
 
 
-def _warnings(results: Results) -> Iterator[str]:
+def warnings(results: Results) -> Iterator[str]:
+    """What is to be known of the runs: small sizes, a busy machine."""
     quick = [row for row, result in results.items() if result["quick"]]
     busy = [row for row, result in results.items() if result["busy"] > _BUSY_WARNING]
     if quick or busy:

@@ -1,11 +1,12 @@
 """How Sphinx builds the site."""
 
-import inspect
 import re
+import sys
 from importlib.metadata import version as installed_version
 from pathlib import Path
 
-import remanent
+sys.path.insert(0, str(Path(__file__).parent))
+import reference_pages
 
 project = "Remanent"
 author = "The Remanent developers"
@@ -19,6 +20,7 @@ extensions = [
     "sphinx.ext.napoleon",
     "sphinx.ext.mathjax",
     "sphinx.ext.viewcode",
+    "sphinx_click",
     "sphinx_copybutton",
 ]
 # Fragments in results are included by pages.
@@ -57,43 +59,13 @@ def plain_aliases(_app, _what, _name, _obj, _options, signature, returns):
     )
 
 
-#: Stands in ``reference.md`` where the public names go.
-PLACE = re.compile(r"<!-- The families of public names .*? -->")
-
-
-def public_names(_app, page, source):
-    """Put every public name into the reference, under the heading of its family."""
-    if page == "reference":
-        source[0] = PLACE.sub(lambda _: "\n".join(map(section, families())), source[0])
-
-
-def families():
-    """Heading and names of each family in the stub of the package, in order."""
-    text = Path(remanent.__file__).with_suffix(".pyi").read_text("utf-8")
-    for part in text.split("# Family: ")[1:]:
-        heading, _, lines = part.partition("\n")
-        yield heading, re.findall(r"^from \S+ import (\w+) as \1$", lines, re.M)
-
-
-def section(family):
-    """Markdown for one family."""
-    heading, names = family
-    entries = "\n\n".join(map(entry, names))
-    return f"## {heading}\n\n```{{eval-rst}}\n{entries}\n```\n"
-
-
-def entry(name):
-    """The directive that documents one name."""
-    value = getattr(remanent, name)
-    if not inspect.isclass(value):
-        return f".. autofunction:: remanent.{name}"
-    if issubclass(value, BaseException):
-        return f".. autoexception:: remanent.{name}"
-    members = "\n   :members:" if name in ("Actuator", "Status") else ""
-    return f".. autoclass:: remanent.{name}{members}"
+def made_parts(_app, page, source):
+    """Put public names and tables into the pages of the reference."""
+    if page.startswith("reference"):
+        source[0] = reference_pages.filled(source[0])
 
 
 def setup(app):
     """Called by Sphinx."""
-    app.connect("source-read", public_names)
+    app.connect("source-read", made_parts)
     app.connect("autodoc-process-signature", plain_aliases)

@@ -16,7 +16,17 @@ _MAX_SHOWN_CHARACTERS: Final = 200
 
 
 class RemanentError(Exception):
-    """Base of every exception this package raises on purpose."""
+    """Base of every exception this package raises on purpose.
+
+    See Also
+    --------
+    InputError : An argument breaks a rule.
+
+    Examples
+    --------
+    >>> issubclass(InputError, RemanentError)
+    True
+    """
 
 
 class InputError(RemanentError, ValueError):
@@ -35,6 +45,20 @@ class InputError(RemanentError, ValueError):
         The reason for the rule, a sentence.
     fix : str
         The remedy, a sentence.  An argument it names stands in backticks.
+
+    See Also
+    --------
+    RemanentError : The base of every exception of the package.
+    Status : What a point of a grid carries in its place.
+
+    Examples
+    --------
+    >>> import remanent as rm
+    >>> try:
+    ...     rm.Actuator(c=-1.0)
+    ... except InputError as error:
+    ...     print(error.name, "|", error.fix)
+    c | Pass 1 for a cube, less for a film.
     """
 
     def __init__(self, name: str, *, must: str, got: object, why: str, fix: str) -> None:
@@ -81,7 +105,23 @@ def _text(value: object) -> str:
 
 
 class InputWarning(UserWarning):
-    """An argument is allowed but looks like a mistake."""
+    """An argument is allowed but looks like a mistake.
+
+    See Also
+    --------
+    InputError : An argument that is not allowed.
+
+    Examples
+    --------
+    A temperature in degrees Celsius looks like a mistake:
+
+    >>> import remanent as rm
+    >>> with warnings.catch_warnings(record=True) as caught:
+    ...     warnings.simplefilter("always")
+    ...     cold = rm.Actuator(temperature=25.0)
+    >>> caught[0].category.__name__
+    'InputWarning'
+    """
 
 
 def warn_of_input(message: str) -> None:

@@ -11,6 +11,10 @@ class Status(IntEnum):
     A status is stored as int8 with the CF attributes ``flag_values`` and ``flag_meanings``.
     The values are part of the public interface and never change.
 
+    See Also
+    --------
+    InputError : What a single call raises where a point of a grid is ``invalid``.
+
     Examples
     --------
     >>> Status(2).meaning, Status.HORIZON.explanation

@@ -21,6 +21,7 @@ from remanent.report.drawings import DRAWINGS
 from remanent.report.live import LIVE_PAGE_NAME, live_links, live_page
 from remanent.report.paper import reproduce, write_report
 
+ROOT = Path(__file__).parents[2]
 VERDICTS = {"supported", "contradicted", "depends"}
 SPLIT = {"3", "6", "8", "12", "14", "16", "17"}
 
@@ -51,6 +52,18 @@ def verdict(summary: Any, number: str) -> str:
     """The verdict on one claim."""
     (text,) = [c["verdict"] for c in summary["claims"] if c["id"] == number]
     return str(text)
+
+
+def test_the_page_about_the_article_says_what_the_audit_finds(summary: Any) -> None:
+    """The kept verdicts are those of the audit made anew, and so are the resonances.
+
+    Where it fails: ``remanent paper``, then ``python docs/make_explanations.py article``.
+    """
+    kept = json.loads((ROOT / "docs" / "results" / "audit.json").read_text("utf-8"))
+    for key in ("id", "claim", "verdict"):
+        assert [c[key] for c in kept["claims"]] == [c[key] for c in summary["claims"]]
+    for ours, theirs in zip(kept["resonances"], summary["resonances"], strict=True):
+        assert ours["omega"] == pytest.approx(theirs["omega"], abs=1e-6)
 
 
 def test_six_resonances_agree_with_the_published_ones(summary: Any) -> None:

@@ -125,14 +125,6 @@ def test_every_public_name_belongs_to_a_family() -> None:
     stub = Path(str(rm.__file__)).with_suffix(".pyi").read_text("utf-8")
     listed = re.findall(r"^from \S+ import (\w+) as \1$", stub.split("# Family: ", 1)[1], re.M)
     assert sorted(listed) == sorted(set(rm.__all__) - {"plot", "__version__"})
-    assert "<!-- The families of public names " in (DOCS / "reference.md").read_text("utf-8")
-
-
-def test_reference_lists_every_status() -> None:
-    """The table of status codes has each code once, with its flag and its sentence."""
-    text = (DOCS / "reference.md").read_text("utf-8")
-    rows = re.findall(r"^\| (\d+) \| `([a-z-]+)` \| (.*) \|$", text, re.M)
-    assert rows == [(str(s.value), s.meaning, s.explanation) for s in rm.Status]
 
 
 def test_makefile_commands_of_the_readme_exist() -> None:

@@ -83,6 +83,10 @@ def equations(system: System) -> Equations:
     --------
     remanent.simulate : Solve them.
 
+    Notes
+    -----
+    For an actuator the equation is [Thermal, eq. 16] with what its parts add.
+
     Examples
     --------
     >>> equations(Actuator()).second_order[0].rhs

@@ -53,29 +53,48 @@ class Actuator(metaclass=ExplainedConstruction):
 
     Parameters
     ----------
-    c
+    c : float
         Slenderness H^2/L^2, thickness over edge, squared.
-    temperature, reference_temperature
+    temperature, reference_temperature : float
         T, and T0 at which the shear modulus mu and the remanence are given; kelvin.
-    prestress
+    prestress : float or (float, float)
         Nominal stress of the dead loads over mu, S = P/(4 L H mu); a pair (S1, S2) for
         two coordinates, whose numbers are called ``prestress_1`` and ``prestress_2``.
-    material
+    material : Material
         Strain energy.
-    dissipation
+    dissipation : Dissipation or sequence of Dissipation
         Dissipative elements in parallel; one element may stand by itself.
-    heat
+    heat : Heat, optional
         Heat balance; None holds the temperature constant.
-    magnet
+    magnet : Magnet
         Magnetisation law and B_r(T).
-    edges
+    edges : (float, float), optional
         Edges of the block over L, a pair (L1/L, L2/L), called ``edges_1`` and ``edges_2``,
         for two coordinates; None for equal edges, L1 = L2 = L.
-    physical_sizes
+    physical_sizes : PhysicalSizes, optional
         Shear modulus, density and remanence over those that the actuator was built with; its
         numbers are called ``shear_modulus``, ``density`` and ``remanence``.  None where they
         are not varied.  `over`, `parameters` and `parameter_ranges` of verbs take these names
         of any actuator.
+    scales : Scales, optional
+        Scales that turn results to SI; :meth:`from_si` gives them.
+
+    Raises
+    ------
+    InputError
+        A number out of its range, a part of another kind, or a law of temperature that does not
+        hold at the actuator's temperature.
+
+    See Also
+    --------
+    Actuator.from_si : The same from sizes with units.
+    equations : Its equations of motion as formulas.
+    LagrangianSystem : A system of one's own, by its energies.
+
+    Notes
+    -----
+    The equation of motion is [Thermal, eq. 16] with what the parts add; the page on the model
+    has it, with its limits.
 
     Examples
     --------
@@ -137,7 +156,13 @@ class Actuator(metaclass=ExplainedConstruction):
 
     @property
     def coordinate_count(self) -> int:
-        """1 where both in-plane stretches are equal, else 2."""
+        """1 where both in-plane stretches are equal, else 2.
+
+        Examples
+        --------
+        >>> Actuator(prestress=(0.5, 0.0)).coordinate_count
+        2
+        """
         return 2 if self.edges is not None or is_several_numbers(self.prestress) else 1
 
     @property
@@ -147,7 +172,13 @@ class Actuator(metaclass=ExplainedConstruction):
 
     @property
     def conservative(self) -> bool:
-        """Whether there is nothing in the model by which energy could be lost."""
+        """Whether there is nothing in the model by which energy could be lost.
+
+        Examples
+        --------
+        >>> Actuator().conservative, Actuator(heat=Heat()).conservative
+        (True, False)
+        """
         return not self.dissipative_elements() and self.heat is None
 
     @property
@@ -204,7 +235,22 @@ class Actuator(metaclass=ExplainedConstruction):
         return {"material": self.material, **elements, **heat, "magnet": self.magnet}
 
     def parameter_values(self) -> dict[str, float]:
-        """Value of every numeric field under its dotted name."""
+        """Value of every numeric field under its dotted name.
+
+        Returns
+        -------
+        dict of str to float
+            Values by the names that `over`, continuation, fits and sensitivities take.
+
+        See Also
+        --------
+        Actuator.replace : A copy with other values.
+
+        Examples
+        --------
+        >>> Actuator(prestress=0.5, heat=Heat()).parameter_values()["heat.coupling"]
+        0.0002
+        """
         single = {
             k: float(x)
             for values in self._own_numbers_by_field().values()
@@ -318,7 +364,32 @@ class Actuator(metaclass=ExplainedConstruction):
         return {}
 
     def replace(self, **changes: Any) -> Self:
-        """A copy with some fields changed; unknown fields raise `InputError`."""
+        """A copy with some fields changed; unknown fields raise `InputError`.
+
+        Parameters
+        ----------
+        **changes : Any
+            New values of fields, by name, such as ``temperature=350``.
+
+        Returns
+        -------
+        Actuator
+            The copy; the actuator itself stays as it was.
+
+        Raises
+        ------
+        InputError
+            An unknown field, or a value that breaks its rule.
+
+        See Also
+        --------
+        Actuator.parameter_values : The numbers, by name.
+
+        Examples
+        --------
+        >>> Actuator().replace(temperature=350).temperature
+        350.0
+        """
         _checks.require_known_names(changes, [f.name for f in fields(self)], "Actuator")
         return replace_fields(self, **changes)
 
@@ -364,22 +435,37 @@ class Actuator(metaclass=ExplainedConstruction):
 
         Parameters
         ----------
-        shear_modulus, remanence
+        shear_modulus, remanence : str or quantity
             mu and B_r at the reference temperature.
-        density, half_length, half_thickness
+        density, half_length, half_thickness : str or quantity
             rho, L and H of the undeformed block 2 L x 2 L x 2 H.
-        half_width
+        half_width : str or quantity, optional
             L2 of a block 2 L x 2 L2 x 2 H, whose motion has two coordinates.
-        force
+        force : str or quantity, or two of them
             P on each edge; the nominal stress is P/(4 L H).  A pair (P1, P2) makes two
             coordinates; P1 pulls along the edge 2 L, with the stress P1/(4 L2 H).
-        temperature, reference_temperature
+        temperature, reference_temperature : str or quantity
             T and T0.
-        own_field
+        own_field : bool
             Whether the magnet's field in itself acts too: the magnet then gets the
             `demagnetisation` that the remanence and the shear modulus imply.
-        **parts
+        **parts : Any
             `material`, `dissipation`, `heat`, `magnet`.
+
+        Returns
+        -------
+        Actuator
+            Dimensionless, with the scales that :func:`remanent.to_si` needs.
+
+        Raises
+        ------
+        InputError
+            A quantity of another kind, one that is not positive, or an unknown part.
+
+        See Also
+        --------
+        to_si : Results in SI units.
+        Actuator.load : The magnetic load of a flux density.
 
         Examples
         --------
@@ -390,8 +476,12 @@ class Actuator(metaclass=ExplainedConstruction):
         ...     half_thickness="0.5 mm",
         ...     remanence="143 mT",
         ... )
-        >>> round(film.c, 12), round(film.load("140 mT"), 4)
-        (0.01, 0.1593)
+        >>> round(film.c, 12), round(film.load("140 mT"), 4), round(film.frequency("300 Hz"), 4)
+        (0.01, 0.1593, 1.3329)
+        >>> round(film.time("1 s"), 1), round(film.stress("50 kPa"), 12)
+        (1414.2, 0.5)
+        >>> round(film.viscosity("20 Pa s"), 4), round(film.coupling("1.9 kJ/(kg K)"), 6)
+        (0.2828, 9e-05)
         """
         _checks.require_known_names(parts, _PART_FIELDS, "Actuator.from_si")
         scales = Scales.from_quantities(
@@ -427,28 +517,151 @@ class Actuator(metaclass=ExplainedConstruction):
     # From SI, by the scales that `from_si` remembered ------------------------------------
 
     def stress(self, stress: Quantity) -> float | FloatArray:
-        """Stress or modulus over mu, ``"50 kPa"``."""
+        """Stress or modulus over mu, ``"50 kPa"``.
+
+        Parameters
+        ----------
+        stress : str, quantity or array of them
+            With a unit of stress.
+
+        Returns
+        -------
+        float or array
+            Dimensionless.
+
+        Raises
+        ------
+        InputError
+            An actuator that was not made by :meth:`from_si`, or another kind of quantity.
+
+        See Also
+        --------
+        Actuator.in_unit : The way back.
+        """
         return self._require_scales().dimensionless_stress(stress)
 
     def viscosity(self, viscosity: Quantity) -> float | FloatArray:
-        """Dimensionless eta of a viscosity, ``"20 Pa s"``."""
+        """Dimensionless eta of a viscosity, ``"20 Pa s"``.
+
+        Parameters
+        ----------
+        viscosity : str, quantity or array of them
+            With a unit of viscosity.
+
+        Returns
+        -------
+        float or array
+            Dimensionless, in units of mu times the unit of time.
+
+        Raises
+        ------
+        InputError
+            An actuator that was not made by :meth:`from_si`, or another kind of quantity.
+
+        See Also
+        --------
+        Rayleigh : A dashpot with such a viscosity.
+        Actuator.in_unit : The way back.
+        """
         return self._require_scales().dimensionless_viscosity(viscosity)
 
     def coupling(self, heat_capacity: Quantity) -> float | FloatArray:
-        """The coupling number mu/(rho c_p T0) of a heat capacity, ``"1.9 kJ/(kg K)"``."""
+        """The coupling number mu/(rho c_p T0) of a heat capacity, ``"1.9 kJ/(kg K)"``.
+
+        Parameters
+        ----------
+        heat_capacity : str, quantity or array of them
+            Per mass, with its unit.
+
+        Returns
+        -------
+        float or array
+            Dimensionless.
+
+        Raises
+        ------
+        InputError
+            An actuator that was not made by :meth:`from_si`, or another kind of quantity.
+
+        See Also
+        --------
+        Heat : The heat balance that it enters.
+        """
         scales = self._require_scales()
         return scales.thermal_coupling(heat_capacity, self.reference_temperature)
 
     def load(self, flux_density: Quantity) -> float | FloatArray:
-        """Magnetic load m = B_r B/(mu mu0) of a flux density, ``"140 mT"``."""
+        """Magnetic load m = B_r B/(mu mu0) of a flux density, ``"140 mT"``.
+
+        Parameters
+        ----------
+        flux_density : str, quantity or array of them
+            B, with a unit of flux density; negative against the remanence.
+
+        Returns
+        -------
+        float or array
+            Dimensionless.
+
+        Raises
+        ------
+        InputError
+            An actuator that was not made by :meth:`from_si`, or another kind of quantity.
+
+        See Also
+        --------
+        Constant : A drive with such a load.
+        Actuator.in_unit : The way back.
+        """
         return self._require_scales().dimensionless_load(flux_density)
 
     def frequency(self, frequency: Quantity) -> float | FloatArray:
-        """Dimensionless omega of a frequency, ``"50 Hz"`` or ``"314 rad/s"``."""
+        """Dimensionless omega of a frequency, ``"50 Hz"`` or ``"314 rad/s"``.
+
+        Parameters
+        ----------
+        frequency : str, quantity or array of them
+            With a unit of frequency or of angular frequency.
+
+        Returns
+        -------
+        float or array
+            Radians per unit of tau.
+
+        Raises
+        ------
+        InputError
+            An actuator that was not made by :meth:`from_si`, or another kind of quantity.
+
+        See Also
+        --------
+        SineSquared : A drive with such a frequency.
+        Actuator.in_unit : The way back.
+        """
         return self._require_scales().dimensionless_frequency(frequency)
 
     def time(self, time: Quantity) -> float | FloatArray:
-        """Dimensionless tau of a time, ``"1 s"``."""
+        """Dimensionless tau of a time, ``"1 s"``.
+
+        Parameters
+        ----------
+        time : str, quantity or array of them
+            With a unit of time.
+
+        Returns
+        -------
+        float or array
+            In units of tau.
+
+        Raises
+        ------
+        InputError
+            An actuator that was not made by :meth:`from_si`, or another kind of quantity.
+
+        See Also
+        --------
+        Actuator.in_unit : The way back.
+        """
         return self._require_scales().dimensionless_time(time)
 
     # Back to SI ---------------------------------------------------------------------------
@@ -458,11 +671,25 @@ class Actuator(metaclass=ExplainedConstruction):
 
         Parameters
         ----------
-        values
+        values : array_like
             Times for ``"ms"``, angular frequencies for ``"Hz"`` and ``"rad/s"``, magnetic loads
             for ``"mT"``, stresses for ``"kPa"``, viscosities for ``"Pa s"``.
-        unit
+        unit : str
             A unit that pint knows.
+
+        Returns
+        -------
+        float or array
+            In that unit.
+
+        Raises
+        ------
+        InputError
+            An actuator that was not made by :meth:`from_si`, or a unit of another kind.
+
+        See Also
+        --------
+        to_si : A whole result in SI units.
 
         Examples
         --------

@@ -109,10 +109,25 @@ class Rayleigh(Dissipation):
 
     Parameters
     ----------
-    eta
+    eta : float
         Viscosity divided by mu times the unit of time.
-    shift
+    shift : WLF or Arrhenius, optional
         How the viscosity depends on temperature, :class:`WLF` or :class:`Arrhenius`.
+
+    Raises
+    ------
+    InputError
+        A value that breaks the rule of its field; the message says which and what to do.
+
+    See Also
+    --------
+    KelvinVoigt : A viscous fluid, for finite strain.
+    Zener : A spring in series with a dashpot.
+
+    Examples
+    --------
+    >>> Rayleigh(0.1).rayleigh_function((1.0, 1.0), (2.0, 2.0), {"eta": 0.1})
+    0.4
     """
 
     eta: float
@@ -145,10 +160,24 @@ class KelvinVoigt(Dissipation):
 
     Parameters
     ----------
-    eta
+    eta : float
         Shear viscosity divided by mu times the unit of time.
-    shift
+    shift : WLF or Arrhenius, optional
         How the viscosity depends on temperature, :class:`WLF` or :class:`Arrhenius`.
+
+    Raises
+    ------
+    InputError
+        A value that breaks the rule of its field; the message says which and what to do.
+
+    See Also
+    --------
+    Rayleigh : A linear dashpot.
+    Zener : A spring in series with a dashpot.
+
+    Notes
+    -----
+    Its derivative by the rates enters Lagrange's equation [Thermal, eq. 8].
 
     Examples
     --------
@@ -189,15 +218,30 @@ class Zener(Dissipation):
 
     Parameters
     ----------
-    modulus
+    modulus : float
         mu_v/mu, shear modulus of the spring at T0 over that of the elastic solid.
-    relaxation_time
+    relaxation_time : float
         t_r = eta/mu_v in units of tau.  For t_r to infinity the element is a spring in
         parallel; for t_r to 0 it vanishes, to first order in t_r, and the equations
         become stiff: steps are then as short as t_r.
-    shift
+    shift : WLF or Arrhenius, optional
         How the relaxation time depends on temperature, :class:`WLF` or
         :class:`Arrhenius`.
+
+    Raises
+    ------
+    InputError
+        A value that breaks the rule of its field; the message says which and what to do.
+
+    See Also
+    --------
+    KelvinVoigt : The dashpot alone.
+    cycle_losses : What it dissipates in a period.
+
+    References
+    ----------
+    S. Govindjee and S. Reese, A presentation and comparison of two large deformation
+    viscoelasticity models, Journal of Engineering Materials and Technology 119 (1997) 251-255.
 
     Examples
     --------

@@ -24,12 +24,26 @@ class Heat(Part):
 
     Parameters
     ----------
-    coupling
+    coupling : float
         k = mu/(rho c_p T0), about 2e-4 for elastomers; see :meth:`Actuator.coupling`.
         The temperature follows the strain energy as ln(T/T_i) = k (W - W_i).
-    exchange
+    exchange : float
         Rate, per unit of tau, at which the body takes on the temperature of its
         surroundings, h/(rho c_p): 0 is adiabatic, infinity isothermal.
+
+    Raises
+    ------
+    InputError
+        A value that breaks the rule of its field; the message says which and what to do.
+
+    See Also
+    --------
+    energy_balance : Heat and entropy along a motion.
+    Actuator.coupling : The coupling number of a material.
+
+    Notes
+    -----
+    The free energy without an external field is that of [Thermal, eq. 6].
 
     Examples
     --------

@@ -21,23 +21,37 @@ class Magnet(Part):
 
     Parameters
     ----------
-    temperature_coefficient
+    temperature_coefficient : float
         alpha in B_r(T) = B_r(T0) [1 + alpha (T - T0)], per kelvin; about -0.001 for
         NdFeB.  Plain grades are rated to 80 degrees Celsius: at 400 K the linear law
         is used beyond its data.
-    law
+    law : str
         ``"deformation-gradient"``: the residual flux moves with the material, F B_r
         (Zhao et al. 2019).  ``"rotation"``: it only rotates with it, R B_r, so that
         a field along the magnetisation exerts no load at all.  Which holds at large
         stretch is disputed (Danas and Reis 2024).
-    demagnetisation
+    demagnetisation : float, optional
         B_r^2/(mu mu0), the strength of the field that the block makes in itself; 0.163 for
         100 kPa and 143 mT.  By default, None, that field is left out of the equations.
+
+    Raises
+    ------
+    InputError
+        A value that breaks the rule of its field; the message says which and what to do.
+
+    See Also
+    --------
+    Actuator : The body that it is a part of.
 
     References
     ----------
     A. Aharoni, Demagnetizing factors for rectangular ferromagnetic prisms, Journal of
     Applied Physics 83 (1998) 3432-3434.
+    R. Zhao, Y. Kim, S. A. Chester, P. Sharma and X. Zhao, Mechanics of hard-magnetic soft
+    materials, Journal of the Mechanics and Physics of Solids 124 (2019) 244-263.
+
+    K. Danas and P. M. Reis, Stretch-independent magnetization in incompressible
+    magnetorheological elastomers, arXiv:2403.03096 (2024).
 
     Examples
     --------

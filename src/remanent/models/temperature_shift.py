@@ -45,10 +45,20 @@ class WLF(TemperatureShift):
 
     Parameters
     ----------
-    c1, c2
+    c1, c2 : float
         Constants for the actuator's reference temperature T0; c2 in kelvin.  The
         universal 17.44 and 51.6 K belong to the glass transition temperature.  Constants
         c1, c2 for T1 become, for T0: c2' = c2 + T0 - T1 and c1' = c1 c2/c2'.
+
+    Raises
+    ------
+    InputError
+        A value that breaks the rule of its field; the message says which and what to do.
+
+    See Also
+    --------
+    Arrhenius : An activated process.
+    Zener : An element whose relaxation time it shifts.
 
     References
     ----------
@@ -96,8 +106,22 @@ class Arrhenius(TemperatureShift):
 
     Parameters
     ----------
-    activation_temperature
+    activation_temperature : float
         A in kelvin; 1 kJ/mol is 120.27 K.
+
+    Raises
+    ------
+    InputError
+        A value that breaks the rule of its field; the message says which and what to do.
+
+    See Also
+    --------
+    WLF : The law above the glass transition.
+    Zener : An element whose relaxation time it shifts.
+
+    References
+    ----------
+    J. D. Ferry, Viscoelastic Properties of Polymers (Wiley, 1980), chapter 11.
 
     Examples
     --------

@@ -65,6 +65,26 @@ def bars(
     -------
     list of matplotlib.container.BarContainer
         One for each variable or entry.
+
+    Raises
+    ------
+    InputError
+        A Dataset without what is drawn, or a word that Matplotlib does not know.
+
+    See Also
+    --------
+    remanent.sensitivity : Derivatives and elasticities.
+    remanent.uncertainty : Indices of Sobol'.
+
+    Examples
+    --------
+    >>> import matplotlib.pyplot as plt
+    >>> import remanent as rm
+    >>> rest = rm.Measure(rm.equilibria, rm.Actuator(), 0.16, of="turning_upper")
+    >>> ds = rm.sensitivity(rest, parameters=["temperature", "prestress"])
+    >>> [len(container) for container in rm.plot.bars(ds)]
+    [2]
+    >>> plt.close()
     """
     names = [variables] if isinstance(variables, str) else list(variables)
     for name in names:

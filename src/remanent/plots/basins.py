@@ -57,6 +57,31 @@ def basins(
     Returns
     -------
     matplotlib.collections.QuadMesh
+        The coloured cells.
+
+    Raises
+    ------
+    InputError
+        A Dataset without what is drawn, or a word that Matplotlib does not know.
+
+    See Also
+    --------
+    remanent.basins : The result that is drawn.
+    map : A chart over two parameters.
+
+    Examples
+    --------
+    >>> import matplotlib.pyplot as plt
+    >>> import remanent as rm
+    >>> ds = rm.basins(
+    ...     rm.Actuator(dissipation=rm.Rayleigh(0.3)),
+    ...     rm.SineSquared(0.4, 1.25),
+    ...     {"stretch": [0.9, 1.0, 1.1], "stretch_rate": [0.0, 0.1]},
+    ...     periods=200,
+    ... )
+    >>> rm.plot.basins(ds).get_array().shape[:2]
+    (2, 3)
+    >>> plt.close()
     """
     across, down = _grid_variables(dataset)
     upright = dataset.transpose(down, across, ...)

@@ -79,6 +79,26 @@ def branch(
     -------
     list of matplotlib.lines.Line2D
         One for each stretch of a branch with one stability.
+
+    Raises
+    ------
+    InputError
+        A Dataset without what is drawn, or a word that Matplotlib does not know.
+
+    See Also
+    --------
+    multipliers : The multipliers along the same branches.
+    remanent.response_diagram : All branches of forced response.
+
+    Examples
+    --------
+    >>> import matplotlib.pyplot as plt
+    >>> import remanent as rm
+    >>> hot, drive = rm.Actuator(temperature=350), rm.SineSquared(0.4, 1.25)
+    >>> ds = rm.continue_orbit(hot, drive, "omega", (1.0, 1.6), initial=(1.433, 0.0))
+    >>> len(rm.plot.branch(ds))  # one stable stretch, one unstable
+    2
+    >>> plt.close()
     """
     x = _followed_parameter(dataset, parameter)
     _require_values_along_branch(dataset, variable)
@@ -137,6 +157,26 @@ def multipliers(
     -------
     list of matplotlib.lines.Line2D
         One for each multiplier on each stretch of a branch with one stability.
+
+    Raises
+    ------
+    InputError
+        A Dataset without what is drawn, or a word that Matplotlib does not know.
+
+    See Also
+    --------
+    branch : The branches themselves.
+    remanent.continue_orbit : The result that is drawn.
+
+    Examples
+    --------
+    >>> import matplotlib.pyplot as plt
+    >>> import remanent as rm
+    >>> hot, drive = rm.Actuator(temperature=350), rm.SineSquared(0.4, 1.25)
+    >>> ds = rm.continue_orbit(hot, drive, "omega", (1.0, 1.6), initial=(1.433, 0.0))
+    >>> len(rm.plot.multipliers(ds))  # two multipliers on each of two stretches
+    4
+    >>> plt.close()
     """
     x = _followed_parameter(dataset, parameter)
     with style.context_of(ax):

@@ -64,6 +64,25 @@ def curve(
     -------
     list of matplotlib.lines.Line2D
         One per member.
+
+    Raises
+    ------
+    InputError
+        A Dataset without what is drawn, or a word that Matplotlib does not know.
+
+    See Also
+    --------
+    equilibria : Equilibria against a parameter.
+    response : A frequency response.
+
+    Examples
+    --------
+    >>> import matplotlib.pyplot as plt
+    >>> import remanent as rm
+    >>> ds = rm.shape_commands(rm.Actuator(), 1.5, over={"temperature": [250.0, 350.0]})
+    >>> len(rm.plot.curve(ds, "switch_time", "temperature"))
+    1
+    >>> plt.close()
     """
     if variable in dataset and "equilibrium" in dataset[variable].dims and x != "equilibrium":
         lines = equilibria(dataset, variable, x, ax=ax, legend=legend, footer=footer, **line)

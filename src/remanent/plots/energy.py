@@ -71,6 +71,25 @@ def landscape(
     -------
     list of matplotlib.lines.Line2D
         The potentials, one per member, in order of temperature.
+
+    Raises
+    ------
+    InputError
+        A Dataset without what is drawn, or a word that Matplotlib does not know.
+
+    See Also
+    --------
+    remanent.equilibria : The result that is drawn.
+    equilibria : Equilibria against a parameter.
+
+    Examples
+    --------
+    >>> import matplotlib.pyplot as plt
+    >>> import remanent as rm
+    >>> ds = rm.equilibria(rm.Actuator(), 0.16, over={"temperature": [250.0, 400.0]})
+    >>> len(rm.plot.landscape(ds))
+    2
+    >>> plt.close()
     """
     extra = [name for name in _VARIABLES_DRAWN_IF_PRESENT if name in dataset]
     along = ("thickness_stretch", "equilibrium")

@@ -93,6 +93,25 @@ def equilibria(
     -------
     list of matplotlib.lines.Line2D
         One per branch and member: solid where stable, dashed where unstable.
+
+    Raises
+    ------
+    InputError
+        A Dataset without what is drawn, or a word that Matplotlib does not know.
+
+    See Also
+    --------
+    remanent.equilibria : The result that is drawn.
+    landscape : The potential behind them.
+
+    Examples
+    --------
+    >>> import matplotlib.pyplot as plt
+    >>> import numpy as np, remanent as rm
+    >>> ds = rm.equilibria(rm.Actuator(prestress=2.2), over={"m": np.linspace(1.0, 4.0, 31)})
+    >>> len(rm.plot.equilibria(ds)) >= 3  # two stable branches and an unstable one between them
+    True
+    >>> plt.close()
     """
     x, place = _parameter(dataset, parameter), _place_name(dataset)
     variable = place if variable is None else variable

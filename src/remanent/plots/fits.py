@@ -51,6 +51,28 @@ def fit(
     -------
     list of matplotlib.lines.Line2D
         The points, then the curve.
+
+    Raises
+    ------
+    InputError
+        A Dataset without what is drawn, or a word that Matplotlib does not know.
+
+    See Also
+    --------
+    remanent.fit : The result that is drawn.
+
+    Examples
+    --------
+    >>> import matplotlib.pyplot as plt
+    >>> import numpy as np, remanent as rm
+    >>> true = rm.Actuator(dissipation=rm.Rayleigh(0.2))
+    >>> run = rm.simulate(true, rm.Constant(0.3), times=np.linspace(0, 10, 60))
+    >>> guess = rm.Actuator(dissipation=rm.Rayleigh(0.15))
+    >>> data = run[["thickness_stretch"]]
+    >>> found = rm.fit(guess, rm.Constant(0.3), data, ["dissipation.0.eta"])
+    >>> len(rm.plot.fit(found))  # the points and the curve
+    2
+    >>> plt.close()
     """
     x = next((name for name in ("time", "omega") if name in dataset.coords), None)
     if x is None or "predicted" not in dataset:

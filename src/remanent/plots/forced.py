@@ -60,6 +60,26 @@ def response(
     -------
     list of matplotlib.lines.Line2D
         The curves, one per member, in order of temperature.
+
+    Raises
+    ------
+    InputError
+        A Dataset without what is drawn, or a word that Matplotlib does not know.
+
+    See Also
+    --------
+    remanent.frequency_response : The result that is drawn.
+    branch : The orbits behind it.
+
+    Examples
+    --------
+    >>> import matplotlib.pyplot as plt
+    >>> import numpy as np, remanent as rm
+    >>> drive = rm.SineSquared(0.4, 1.0)
+    >>> ds = rm.frequency_response(rm.Actuator(), drive, np.linspace(1.0, 1.5, 26))
+    >>> len(rm.plot.response(ds))
+    1
+    >>> plt.close()
     """
     marked = resonances and variable == "amplitude"
     extra = [name for name in _RESONANCE_VARIABLES if marked and name in dataset]

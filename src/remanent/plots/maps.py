@@ -59,6 +59,28 @@ def map(
     Returns
     -------
     matplotlib.collections.QuadMesh
+        The coloured cells.
+
+    Raises
+    ------
+    InputError
+        A Dataset without what is drawn, or a word that Matplotlib does not know.
+
+    See Also
+    --------
+    remanent.regime_chart : A chart of regimes.
+    basins : The same over initial states.
+
+    Examples
+    --------
+    >>> import matplotlib.pyplot as plt
+    >>> import remanent as rm
+    >>> ds = rm.regime_chart(
+    ...     rm.Actuator(), rm.SineSquared(0.4, 1.25), {"b": [0.2, 0.3], "omega": [1.7, 2.0]}
+    ... )
+    >>> rm.plot.map(ds).get_array().shape[:2]
+    (2, 2)
+    >>> plt.close()
     """
     return draw_map(
         dataset, variable, ax=ax, legend=legend, footer=footer, spread_tori=False, **mesh

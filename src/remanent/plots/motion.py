@@ -70,6 +70,26 @@ def history(
     -------
     list of matplotlib.lines.Line2D
         One per member, in order of temperature.
+
+    Raises
+    ------
+    InputError
+        A Dataset without what is drawn, or a word that Matplotlib does not know.
+
+    See Also
+    --------
+    phase : The same motion in the phase plane.
+    remanent.simulate : The result that is drawn.
+
+    Examples
+    --------
+    >>> import matplotlib.pyplot as plt
+    >>> import remanent as rm
+    >>> temperatures = {"temperature": [250.0, 400.0]}
+    >>> ds = rm.simulate(rm.Actuator(), rm.Constant(0.16), duration=20, over=temperatures)
+    >>> len(rm.plot.history(ds))
+    2
+    >>> plt.close()
     """
     variable = observable_name(dataset) if variable is None else variable
     with style.context_of(ax):
@@ -126,6 +146,25 @@ def phase(
     -------
     list of matplotlib.lines.Line2D
         One per member, in order of temperature.
+
+    Raises
+    ------
+    InputError
+        A Dataset without what is drawn, or a word that Matplotlib does not know.
+
+    See Also
+    --------
+    history : The same motion against time.
+    section : Its points once per period.
+
+    Examples
+    --------
+    >>> import matplotlib.pyplot as plt
+    >>> import remanent as rm
+    >>> ds = rm.simulate(rm.Actuator(), rm.Constant(0.16), duration=20)
+    >>> len(rm.plot.phase(ds))
+    1
+    >>> plt.close()
     """
     x, y = _plane(dataset, x, y)
     with style.context_of(ax):
@@ -184,6 +223,25 @@ def section(
     -------
     list of matplotlib.collections.PathCollection
         One per member, in order of temperature.
+
+    Raises
+    ------
+    InputError
+        A Dataset without what is drawn, or a word that Matplotlib does not know.
+
+    See Also
+    --------
+    phase : The motion between the points.
+    remanent.poincare_section : The result that is drawn.
+
+    Examples
+    --------
+    >>> import matplotlib.pyplot as plt
+    >>> import remanent as rm
+    >>> ds = rm.poincare_section(rm.Actuator(), rm.SineSquared(0.4, 1.25), periods=50)
+    >>> len(rm.plot.section(ds)[0].get_offsets())  # the start and 50 points
+    51
+    >>> plt.close()
     """
     x, y = _plane(dataset, x, y)
     with style.context_of(ax):

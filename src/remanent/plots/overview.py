@@ -68,6 +68,22 @@ def overview(dataset: xr.Dataset, *, ax: Axes | None = None, footer: bool = True
     ------
     InputError
         A result in which there is nothing to draw.
+
+    See Also
+    --------
+    history : A variable against time.
+    response : A frequency response.
+    map : A chart over two parameters.
+
+    Examples
+    --------
+    >>> import matplotlib.pyplot as plt
+    >>> import remanent as rm
+    >>> ds = rm.simulate(rm.Actuator(), rm.Constant(0.16), duration=20)
+    >>> artists = rm.plot.overview(ds)
+    >>> len(artists)
+    1
+    >>> plt.close()
     """
     varied = _grid_dimensions(dataset)
     dataset = _numbered(dataset, varied)

@@ -156,6 +156,15 @@ class HouseFigure(Figure):
 def context() -> AbstractContextManager[None]:
     """Apply the house style inside a ``with`` block, and nowhere else.
 
+    Returns
+    -------
+    context manager
+        The style is in force until it ends.
+
+    See Also
+    --------
+    subplots : A figure that carries the style.
+
     Examples
     --------
     >>> import matplotlib as mpl
@@ -234,6 +243,18 @@ def subplots(
         Known to pyplot.  However it is saved, fonts are TrueType and pixels are fine.
     axes : matplotlib.axes.Axes or array of them
         For the argument ``ax`` of the plots.
+
+    See Also
+    --------
+    save_figure : Write a figure to a file.
+
+    Examples
+    --------
+    >>> from matplotlib import pyplot as plt
+    >>> figure, axes = subplots(1, 2)
+    >>> axes.shape
+    (2,)
+    >>> plt.close(figure)
     """
     from matplotlib import pyplot as plt
 
@@ -299,6 +320,21 @@ def save_figure(figure: Figure, path: str | os.PathLike[str]) -> Path:
     Returns
     -------
     pathlib.Path
+        The file.
+
+    See Also
+    --------
+    subplots : A figure in the house style.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from matplotlib import pyplot as plt
+    >>> figure, axes = subplots()
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     save_figure(figure, f"{folder}/figure.pdf").suffix
+    '.pdf'
+    >>> plt.close(figure)
     """
     path = Path(path)
     undated = {".svg": {"Date": None}, ".pdf": {"CreationDate": None, "ModDate": None}}

@@ -60,8 +60,8 @@ def save(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
 
     See Also
     --------
-    load : the way back.
-    read_measurements : to read files of other origin.
+    load : The way back.
+    read_measurements : To read files of other origin.
 
     Notes
     -----
@@ -132,8 +132,18 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
 
     See Also
     --------
-    save : the way there.
-    read_measurements : to read CSV and MAT files of other origin.
+    save : The way there.
+    read_measurements : To read CSV and MAT files of other origin.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import remanent as rm
+    >>> section = rm.poincare_section(rm.Actuator(), rm.SineSquared(0.4, 1.25), periods=3)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     again = rm.load(rm.save(section, f"{folder}/section.csv"))
+    >>> again.identical(section)
+    True
     """
     source = require_path("path", path)
     is_store = stores.is_store(source)

@@ -168,17 +168,17 @@ def read_system(dataset: xr.Dataset) -> System:
     InputError
         The attribute is missing, as after arithmetic, or names a class that is not public.
 
+    See Also
+    --------
+    remanent.read_drive : The drive.
+    remanent.fit : Parameters from measurements.
+
     Examples
     --------
     >>> import remanent as rm
     >>> many = rm.equilibria(rm.Actuator(), 0.16, over={"temperature": [293.0, 350.0]})
     >>> rm.read_system(many.isel(temperature=1)).temperature
     350.0
-
-    See Also
-    --------
-    remanent.read_drive : the drive.
-    remanent.fit : parameters from measurements.
     """
     system: System = _read_model(require_dataset("dataset", dataset), SYSTEM_ATTRIBUTE)
     return system
@@ -202,6 +202,18 @@ def read_drive(dataset: xr.Dataset) -> Drive:
     ------
     InputError
         The attribute is missing, as after arithmetic, or names a class that is not public.
+
+    See Also
+    --------
+    read_system : The system that made it.
+    rescale : A result for another temperature.
+
+    Examples
+    --------
+    >>> import remanent as rm
+    >>> run = rm.simulate(rm.Actuator(), rm.SineSquared(0.4, 1.25), periods=1)
+    >>> rm.read_drive(run)
+    SineSquared(b=0.4, omega=1.25, phase=0.0)
     """
     drive: Drive = _read_model(require_dataset("dataset", dataset), DRIVE_ATTRIBUTE)
     return drive

@@ -48,7 +48,7 @@ def read_measurements(
 
     Parameters
     ----------
-    data
+    data : path, pandas.DataFrame, mapping of str to array, or xarray.Dataset
         A path to a text file (commas, semicolons or tabs; decimal points or commas; UTF-8,
         UTF-16 or Latin-1) or a MAT file (versions 5 to 7.2), a DataFrame, a mapping of names to
         arrays, or a Dataset, which is taken as it is.  Columns are called as in results:
@@ -57,11 +57,11 @@ def read_measurements(
         ``thickness_stretch_error`` is a standard deviation.  Thicknesses in mm become
         stretches by the size of the actuator; ``Thickness [mm]`` is understood.  Columns of
         other names are left aside, with a warning that names them.
-    actuator
+    actuator : Actuator, optional
         Made by ``Actuator.from_si``, where there are units.
-    names
+    names : mapping of str to str, optional
         From headings, with or without their units, to these names.
-    units
+    units : mapping of str to str, optional
         Units by name, for files that cannot hold them in headings.
 
     Returns
@@ -81,6 +81,12 @@ def read_measurements(
     -----
     InputWarning
         Names columns that are left aside.
+
+    See Also
+    --------
+    fit : Parameters from what was read.
+    logarithmic_decrement : Damping from a ring-down.
+    load : Results that :func:`remanent.save` wrote.
 
     Examples
     --------

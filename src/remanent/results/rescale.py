@@ -96,7 +96,7 @@ def rescale(
 
     See Also
     --------
-    remanent.to_si : the same result in SI units.
+    remanent.to_si : The same result in SI units.
 
     Notes
     -----

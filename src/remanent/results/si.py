@@ -62,14 +62,14 @@ def to_si(
 
     Parameters
     ----------
-    dataset
+    dataset : xarray.Dataset
         A result of an actuator built with ``Actuator.from_si``; its attribute
         ``scales`` holds the scales as JSON: ``time_s`` (s per unit tau),
         ``frequency_hz`` (Hz per unit omega), ``load_T`` (T per unit m),
         ``stress_pa`` (Pa per unit S).
-    system
+    system : Actuator, optional
         The actuator, where `dataset` does not say which, as after arithmetic.
-    lengths
+    lengths : bool
         Whether stretches become lengths in mm: edges and thickness of the block 2 L x 2 L x
         2 H.  Their rates stay rates of stretches.
 
@@ -86,6 +86,11 @@ def to_si(
     InputError
         The Dataset has no scales, or numbers whose quantity is not known: a measure that is a
         function.
+
+    See Also
+    --------
+    Actuator.from_si : The actuator with its units.
+    rescale : A result for another temperature.
 
     Examples
     --------

@@ -32,16 +32,32 @@ class Chirp(Drive):
 
     Parameters
     ----------
-    m
+    m : float
         Amplitude of the load.
-    start, stop
+    start, stop : float
         Angular frequencies at tau = 0 and from tau = duration.
-    duration
+    duration : float
         Length of the sweep in tau.
-    mean
+    mean : float
         Mean load.
-    phase
+    phase : float
         Angle at tau = 0, in radians.
+
+    Raises
+    ------
+    InputError
+        A value that breaks the rule of its field, such as a frequency that is not positive.
+
+    See Also
+    --------
+    Sine : A load of one frequency.
+    frequency_response : One run for each frequency instead.
+
+    Examples
+    --------
+    >>> chirp = Chirp(0.16, 0.5, 2.0, duration=100.0)
+    >>> float(chirp(0.0)), chirp.period is None
+    (0.0, True)
     """
 
     m: float

@@ -33,7 +33,7 @@ class Loads(Drive):
 
     Parameters
     ----------
-    drives
+    drives : mapping of str to Drive
         A drive for the name of each load, in the order of the system's ``loads``.  Periods
         of those that are periodic have to be in a ratio of small whole numbers; a load that
         is no constant and has no period may stand beside constants only.
@@ -42,6 +42,10 @@ class Loads(Drive):
     ------
     InputError
         Drives whose loads have no common course in time.
+
+    See Also
+    --------
+    LagrangianSystem : A system that may have several loads.
 
     Examples
     --------

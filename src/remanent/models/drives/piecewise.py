@@ -183,6 +183,23 @@ class Steps(PiecewiseDrive):
 
     The last load is held for ever.
 
+    Parameters
+    ----------
+    times : sequence of float (time,)
+        When each load begins, in units of tau, increasing, the first 0.
+    loads : sequence of float (time,)
+        The load from each time on, dimensionless.
+
+    Raises
+    ------
+    InputError
+        Times that do not increase or do not begin at 0, or numbers that are not finite.
+
+    See Also
+    --------
+    Ramp : The same, joined by straight lines.
+    shape_command : Steps that leave no vibration.
+
     Examples
     --------
     >>> Steps([0.0, 2.0], [0.16, 0.3])([1.0, 2.0]).tolist()
@@ -204,6 +221,23 @@ class Ramp(PiecewiseDrive):
     """A load that goes straight from loads[i] at times[i] to the next.
 
     The last load is held for ever.  For jumps use :class:`Steps`.
+
+    Parameters
+    ----------
+    times : sequence of float (time,)
+        Times of the corners, in units of tau, increasing, the first 0.
+    loads : sequence of float (time,)
+        The load at each time, dimensionless.
+
+    Raises
+    ------
+    InputError
+        Times that do not increase or do not begin at 0, or numbers that are not finite.
+
+    See Also
+    --------
+    Steps : The same with jumps.
+    Sampled : The same, joined by a smooth curve.
 
     Examples
     --------
@@ -229,6 +263,23 @@ class Sampled(PiecewiseDrive):
     Runs that go on beyond the last sample are refused.  The load has kinks of third
     order at the samples only.  A spline swings where samples jump between times that are much
     closer than others: if it leaves their range by more than that range, there is a warning.
+
+    Parameters
+    ----------
+    times : sequence of float (time,)
+        Times of the samples, at least four, in units of tau, increasing, the first 0.
+    loads : sequence of float (time,)
+        The load at each time, dimensionless.
+
+    Raises
+    ------
+    InputError
+        Times that do not increase or do not begin at 0, or numbers that are not finite.
+
+    See Also
+    --------
+    Ramp : The same, joined by straight lines.
+    read_measurements : Reads a measured signal.
 
     Examples
     --------

@@ -45,16 +45,26 @@ class Sines(Drive):
 
     Parameters
     ----------
-    loads
+    loads : sequence of float (term,)
         Amplitude of each term.
-    multiples
+    multiples : sequence of float (term,)
         Its angular frequency over omega; positive, each different.
-    omega
+    omega : float
         Angular frequency per unit of tau that they multiply.
-    phases
+    phases : sequence of float (term,), optional
         Angle of each term at tau = 0, in radians; 0 by default.
-    mean
+    mean : float
         Mean load.
+
+    Raises
+    ------
+    InputError
+        Sequences of different lengths, multiples that repeat, or a value that breaks its rule.
+
+    See Also
+    --------
+    Sine : One sine.
+    Loads : Drives of several loads.
 
     Examples
     --------

@@ -38,8 +38,18 @@ class Constant(Drive):
 
     Parameters
     ----------
-    m
+    m : float
         Magnetic load.
+
+    Raises
+    ------
+    InputError
+        A load that is no finite number.
+
+    See Also
+    --------
+    Steps : A load that jumps.
+    Actuator.load : The load of a flux density.
 
     Examples
     --------
@@ -86,12 +96,22 @@ class SineSquared(Drive):
 
     Parameters
     ----------
-    b
+    b : float
         Square root of the largest load.
-    omega
+    omega : float
         Angular frequency of the flux.  The load repeats every pi/omega.
-    phase
+    phase : float
         Angle of the flux at tau = 0, in radians.
+
+    Raises
+    ------
+    InputError
+        A value that breaks the rule of its field, such as a frequency that is not positive.
+
+    See Also
+    --------
+    Sine : A sinusoidal load.
+    Actuator.frequency : The angular frequency of a frequency in hertz.
 
     Examples
     --------
@@ -150,14 +170,24 @@ class Sine(Drive):
 
     Parameters
     ----------
-    m
+    m : float
         Amplitude of the load.
-    omega
+    omega : float
         Angular frequency.  The load repeats every 2 pi/omega.
-    mean
+    mean : float
         Mean load.
-    phase
+    phase : float
         Angle at tau = 0, in radians.
+
+    Raises
+    ------
+    InputError
+        A value that breaks the rule of its field, such as a frequency that is not positive.
+
+    See Also
+    --------
+    SineSquared : The square of a sinusoidal flux.
+    Sines : A sum of sines.
 
     Examples
     --------

@@ -37,8 +37,18 @@ class NeoHookean(Material):
 
     Parameters
     ----------
-    entropic_fraction
+    entropic_fraction : float
         Share of the modulus that is proportional to temperature.
+
+    Raises
+    ------
+    InputError
+        A value that breaks the rule of its field; the message says which and what to do.
+
+    See Also
+    --------
+    Gent : A solid whose chains have a limit.
+    StrainEnergy : An energy of one's own.
 
     Examples
     --------
@@ -71,10 +81,20 @@ class Gent(Material):
 
     Parameters
     ----------
-    jm
+    jm : float
         Limiting value J_m of I1 - 3; about 30 to 100 for rubber, less for stiff tissue.
-    entropic_fraction
+    entropic_fraction : float
         Share of the modulus that is proportional to temperature.
+
+    Raises
+    ------
+    InputError
+        A value that breaks the rule of its field; the message says which and what to do.
+
+    See Also
+    --------
+    ArrudaBoyce : Chains that stiffen without a limit.
+    NeoHookean : Its limit as J_m grows.
 
     References
     ----------
@@ -127,10 +147,20 @@ class MooneyRivlin(Material):
 
     Parameters
     ----------
-    c1, c2
+    c1, c2 : float
         Constants of the two invariants, not negative, not both zero.
-    entropic_fraction
+    entropic_fraction : float
         Share of the modulus that is proportional to temperature.
+
+    Raises
+    ------
+    InputError
+        A value that breaks the rule of its field; the message says which and what to do.
+
+    See Also
+    --------
+    NeoHookean : The case c2 = 0.
+    Ogden : The case of exponents 2 and -2.
 
     References
     ----------
@@ -182,10 +212,20 @@ class Ogden(Material):
 
     Parameters
     ----------
-    moduli, exponents
+    moduli, exponents : sequence of float (term,)
         mu_i and alpha_i, one of each per term; exponents are not zero.
-    entropic_fraction
+    entropic_fraction : float
         Share of the modulus that is proportional to temperature.
+
+    Raises
+    ------
+    InputError
+        A value that breaks the rule of its field; the message says which and what to do.
+
+    See Also
+    --------
+    MooneyRivlin : Two terms with fixed exponents.
+    Yeoh : Powers of the first invariant.
 
     References
     ----------
@@ -276,10 +316,20 @@ class ArrudaBoyce(Material):
 
     Parameters
     ----------
-    locking_stretch
+    locking_stretch : float
         L, the stretch of a chain at its limit, above 1.
-    entropic_fraction
+    entropic_fraction : float
         Share of the modulus that is proportional to temperature.
+
+    Raises
+    ------
+    InputError
+        A value that breaks the rule of its field; the message says which and what to do.
+
+    See Also
+    --------
+    Gent : A solid with a limiting extension.
+    NeoHookean : Its limit as L grows.
 
     References
     ----------

@@ -51,15 +51,15 @@ class StrainEnergy(Material):
 
     Parameters
     ----------
-    expression
+    expression : str or SymPy expression
         Text, or a SymPy expression, in the principal stretches ``l1``, ``l2``, ``l3``, or the
         invariants ``I1`` = l1^2 + l2^2 + l3^2 and ``I2`` = l1^-2 + l2^-2 + l3^-2, and in the
         names of `constants`; arithmetic, powers, ``sqrt``, ``exp``, ``log``, ``sin``, ``cos``
         and ``pi``.  Text is read, never run.
-    constants
+    constants : mapping of str to float
         Values of the other names: numeric fields of the material, which ``over`` may vary as
         ``material.NAME``.
-    entropic_fraction
+    entropic_fraction : float
         Share of the modulus that is proportional to temperature.
 
     Raises
@@ -67,6 +67,11 @@ class StrainEnergy(Material):
     InputError
         A formula that is none, unknown or unused names, an energy that is not isotropic, is
         not finite at rest, or has no positive shear modulus there.
+
+    See Also
+    --------
+    NeoHookean : The default.
+    LagrangianSystem : A whole system of one's own.
 
     Notes
     -----

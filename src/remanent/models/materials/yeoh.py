@@ -30,10 +30,20 @@ class Yeoh(Material):
 
     Parameters
     ----------
-    c1, c2, c3
+    c1, c2, c3 : float
         Constants of the powers of I1 - 3, in one unit; c1 above 0.
-    entropic_fraction
+    entropic_fraction : float
         Share of the modulus that is proportional to temperature.
+
+    Raises
+    ------
+    InputError
+        A value that breaks the rule of its field; the message says which and what to do.
+
+    See Also
+    --------
+    NeoHookean : The case c2 = c3 = 0.
+    StrainEnergy : Any other function of the invariants.
 
     References
     ----------

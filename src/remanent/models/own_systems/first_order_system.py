@@ -28,21 +28,21 @@ class FirstOrderSystem(WrittenSystem):
 
     Parameters
     ----------
-    rates
+    rates : mapping of str to str or SymPy expression
         Formula of the rate of each state variable, by its name, in states, parameters and
         loads; the order is that of the state.
-    parameters
+    parameters : mapping of str to float
         Values of the other names in the formulas: numeric fields, which ``over``,
         continuation, sensitivities and fits may vary.
-    observable
+    observable : str or SymPy expression, optional
         The quantity whose extremes are followed, a formula in states and parameters: the
         first state variable by default.
-    rest
+    rest : mapping of str to float
         State from which motions start by default; what is not named is 0.
-    loads
+    loads : str or sequence of str
         Names of the loads, which a drive gives; one, ``load``, by default.  A system without
         a load takes ``rm.Constant(0)``.
-    units, symbols
+    units, symbols : mapping of str to str
         Units (UDUNITS) and symbols (LaTeX) of states, parameters, loads, ``observable`` and
         ``time``, by name, for labels.
 
@@ -50,6 +50,11 @@ class FirstOrderSystem(WrittenSystem):
     ------
     InputError
         A formula that is none, or unknown, reserved or unused names.
+
+    See Also
+    --------
+    LagrangianSystem : A mechanical system, by its energies.
+    equations : The equations as formulas.
 
     Notes
     -----

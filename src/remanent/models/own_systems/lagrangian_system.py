@@ -41,29 +41,29 @@ class LagrangianSystem(WrittenSystem):
 
     Parameters
     ----------
-    coordinates
+    coordinates : str or sequence of str
         Names of the generalised coordinates; the rate of ``x`` is called ``x_rate``.
-    kinetic
+    kinetic : str or SymPy expression
         Kinetic energy T, a formula in coordinates, rates and parameters, at most quadratic in
         the rates.  A coordinate whose rate is not in it is of first order, an internal
         variable: the dissipation function then gives its rate, dD/dq' = -dV/dq.
-    potential
+    potential : str or SymPy expression
         Potential energy V, a formula in coordinates, parameters and loads.
-    dissipation
+    dissipation : str or SymPy expression
         Rayleigh's dissipation function D, half of the power that is lost where it is quadratic in
         the rates; a formula in coordinates, rates and parameters.
-    parameters
+    parameters : mapping of str to float
         Values of the other names in the formulas: numeric fields, which ``over``,
         continuation, sensitivities and fits may vary.
-    observable
+    observable : str or SymPy expression, optional
         The quantity whose extremes are followed, a formula in states and parameters: the
         first coordinate by default.  Results call it by its name where it is a state
         variable, else ``observable``.
-    rest
+    rest : mapping of str to float
         State from which motions start by default; what is not named is 0.
-    loads
+    loads : str or sequence of str
         Names of the loads, which a drive gives; one, ``load``, by default.
-    units, symbols
+    units, symbols : mapping of str to str
         Units (UDUNITS) and symbols (LaTeX) of states, parameters, loads, ``observable``,
         ``energy`` and ``time``, by name, for labels.
 
@@ -72,6 +72,12 @@ class LagrangianSystem(WrittenSystem):
     InputError
         A formula that is none, unknown, reserved or unused names, a kinetic energy of higher
         degree in the rates, or a mass matrix that is singular or not positive at rest.
+
+    See Also
+    --------
+    FirstOrderSystem : A system without energies, by its rates.
+    equations : The equations that were derived.
+    Loads : A drive for each of several loads.
 
     Notes
     -----

@@ -72,6 +72,11 @@ def shape_command(
         A bad argument, a target that is no stable equilibrium under any load, or no command
         found.
 
+    See Also
+    --------
+    remanent.shape_commands : The same for many values of the actuator's fields.
+    remanent.step_response : What a command leaves of vibration.
+
     Notes
     -----
     Without prestress and damping, for the neo-Hookean solid, the answer is two steps:
@@ -88,11 +93,6 @@ def shape_command(
     >>> command = rm.shape_command(rm.Actuator(), 1.5)
     >>> [round(m, 6) for m in command.loads]
     [0.583333, 1.055556]
-
-    See Also
-    --------
-    remanent.shape_commands : the same for many values of the actuator's fields.
-    remanent.step_response : what a command leaves of vibration.
     """
     command = shape_commands(
         actuator, target, initial=initial, robust_to=robust_to, tolerance=tolerance
@@ -144,17 +144,21 @@ def shape_commands(
     InputError
         A bad argument; without `over` also a target for which there is no command.
 
+    See Also
+    --------
+    remanent.shape_command : One command, as a drive.
+    remanent.sensitivity : How a switching time depends on a field.
+
+    Notes
+    -----
+    The equations are those of :func:`remanent.shape_command`, solved for all points together.
+
     Examples
     --------
     >>> import remanent as rm
     >>> ds = rm.shape_commands(rm.Actuator(), 1.5, over={"temperature": [250.0, 350.0]})
     >>> ds.switch_time.values.round(4).tolist()
     [1.5415, 1.3028]
-
-    See Also
-    --------
-    remanent.shape_command : one command, as a drive.
-    remanent.sensitivity : how a switching time depends on a field.
     """
     require_actuator("actuator", actuator)
     target = require_real("target", target, _TARGET_RULE)

@@ -115,6 +115,11 @@ def step_response(
     InputError
         A bad argument, or a run that ends with the command.
 
+    See Also
+    --------
+    remanent.shape_command : Steps that leave no vibration.
+    remanent.simulate : The motion itself.
+
     Notes
     -----
     residual amplitude = √(2 E_r/k), with k = dm/dx along the states of rest: for a small
@@ -133,11 +138,6 @@ def step_response(
     >>> plain = rm.step_response(rm.Actuator(), rm.Constant(command.loads[-1]))
     >>> bool(shaped.residual_amplitude < 1e-6 * plain.residual_amplitude)
     True
-
-    See Also
-    --------
-    remanent.shape_command : steps that leave no vibration.
-    remanent.simulate : the motion itself.
     """
     require_actuator("system", system)
     tolerance = require_tolerance(tolerance, "the global error of the state")

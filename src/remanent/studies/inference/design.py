@@ -84,6 +84,12 @@ def design(
     InputError
         A bad argument, or a guess at which a measure is not known.
 
+    See Also
+    --------
+    remanent.sensitivity : Derivatives of measures by fields.
+    remanent.fit : Fields from measurements.
+    remanent.Measure : What a verb computes, as a function of fields.
+
     Notes
     -----
     Least squares of the relative distances (SciPy's trust-region reflective method); the
@@ -97,12 +103,6 @@ def design(
     >>> ds = rm.design(switch, 1.2, "temperature")
     >>> round(float(ds.solution[0]), 3)  # 293 (1.42388/1.2)^2
     412.529
-
-    See Also
-    --------
-    remanent.sensitivity : derivatives of measures by fields.
-    remanent.fit : fields from measurements.
-    remanent.Measure : what a verb computes, as a function of fields.
     """
     measures = _require_measures(measures)
     step = require_real("step", step, _RELATIVE_STEP_RULE)

@@ -127,6 +127,12 @@ def fit(
         A bad argument; a guess whose motion cannot be computed up to the last datum; data that
         do not tell the parameters apart.
 
+    See Also
+    --------
+    remanent.read_measurements : Tables of measurements, with units.
+    remanent.logarithmic_decrement : Damping from a ring-down, without a model.
+    remanent.uncertainty : What errors of parameters make of a prediction.
+
     Notes
     -----
     A fit is of one record, with one set of starting values, and takes no ``over``: for several
@@ -149,12 +155,6 @@ def fit(
     True
     >>> rm.read_system(found).dissipation[0].eta == float(found.estimate[0])
     True
-
-    See Also
-    --------
-    remanent.read_measurements : tables of measurements, with units.
-    remanent.logarithmic_decrement : damping from a ring-down, without a model.
-    remanent.uncertainty : what errors of parameters make of a prediction.
     """
     tolerance = require_tolerance(tolerance, "the error of the computed motion")
     confidence = require_real("confidence", confidence, _CONFIDENCE_RULE)

@@ -66,6 +66,10 @@ def logarithmic_decrement(
     InputError
         No such variable, or no time.
 
+    See Also
+    --------
+    remanent.fit : Parameters of the model from the whole record.
+
     Notes
     -----
     A swing is the distance of successive turning points of a cubic spline through the record;
@@ -81,10 +85,6 @@ def logarithmic_decrement(
     >>> run = rm.simulate(damped, rm.Constant(0.0), duration=20, initial=(1.001, 0))
     >>> float(rm.logarithmic_decrement(run).decrement.round(4))
     0.1283
-
-    See Also
-    --------
-    remanent.fit : parameters of the model from the whole record.
     """
     smallest = require_real("smallest", smallest, _SMALLEST_SWING_RULE)
     require_dataset("history", history)

@@ -39,12 +39,25 @@ class Measure:
         Any verb of this package, or a function of a system (and more) that returns a Dataset,
         an array or a number.  Of a number no error is known; a Dataset may hold ``value`` and
         ``value_error``.
-    *arguments, **options
+    *arguments : Any
         Of the verb.  The first system and the first drive among them have the fields.
     of : str or callable, optional
         The name of a variable of the verb's result, or a function of that Dataset, which must
         keep its dimension ``sample``.  The errors of the variables are carried through the
         function: they are moved by their errors, and the largest change is its error.
+    **options : Any
+        Of the verb, by name.
+
+    Raises
+    ------
+    InputError
+        Something that cannot be called, or options that the verb does not take.
+
+    See Also
+    --------
+    sensitivity : Its derivatives by fields.
+    design : Fields with which it takes a given value.
+    uncertainty : What uncertain fields make of it.
 
     Examples
     --------

@@ -60,6 +60,8 @@ def sensitivity(
     ----------
     measure : Measure or callable
         A :class:`remanent.Measure`, or a verb, followed by its arguments and options.
+    *arguments : Any
+        Of the verb, where `measure` is one.
     parameters : str or sequence of str
         Fields of the actuator or the drive, ``initial.stretch`` ...; ``shear_modulus``,
         ``density``, ``remanence`` where the verb knows them.
@@ -68,6 +70,8 @@ def sensitivity(
     step : float
         Largest change of a field, relative to its value, or absolute where that is 0.  Six
         differences are formed, each half as wide as the last.
+    **options : Any
+        Of the verb, by name.
 
     Returns
     -------
@@ -82,6 +86,11 @@ def sensitivity(
     ------
     InputError
         A bad argument.
+
+    See Also
+    --------
+    remanent.uncertainty : What ranges of fields make of a measure.
+    remanent.design : Fields with which a measure takes a given value.
 
     Notes
     -----
@@ -99,11 +108,6 @@ def sensitivity(
     ... )
     >>> [round(x, 6) for x in ds.elasticity.values.tolist()]
     [-0.5, 0.390917]
-
-    See Also
-    --------
-    remanent.uncertainty : what ranges of fields make of a measure.
-    remanent.design : fields with which a measure takes a given value.
     """
     measure = as_measure(measure, arguments, of, **options)
     step = require_real("step", step, _LARGEST_RELATIVE_STEP_RULE)

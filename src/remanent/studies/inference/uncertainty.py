@@ -58,6 +58,8 @@ def uncertainty(
     ----------
     measure : Measure or callable
         A :class:`remanent.Measure`, or a verb, followed by its arguments and options.
+    *arguments : Any
+        Of the verb, where `measure` is one.
     parameter_ranges : mapping of str to (float, float) or distribution, optional
         What is not known: fields by name, each with ``(low, high)`` between which all values
         are alike, or a frozen distribution of ``scipy.stats``.  They are independent.
@@ -77,6 +79,8 @@ def uncertainty(
     rng : int, numpy.random.Generator or None
         Scrambles the points.  None is a fixed seed.  A generator is copied: it is not
         advanced.
+    **options : Any
+        Of the verb, by name.
 
     Returns
     -------
@@ -93,6 +97,11 @@ def uncertainty(
     ------
     InputError
         A bad argument.
+
+    See Also
+    --------
+    remanent.sensitivity : Derivatives by fields, for small ranges.
+    remanent.fit : Fields from measurements, with their errors.
 
     Notes
     -----
@@ -112,11 +121,6 @@ def uncertainty(
     ... )
     >>> ds.value.values.round(3).tolist()  # (6 T/293)^(1/2)
     [2.399, 2.437, 2.475]
-
-    See Also
-    --------
-    remanent.sensitivity : derivatives by fields, for small ranges.
-    remanent.fit : fields from measurements, with their errors.
     """
     measure = as_measure(measure, arguments, of, **options)
     sobol = require_flag("sobol", sobol)

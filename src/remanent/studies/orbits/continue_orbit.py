@@ -89,18 +89,19 @@ def continue_orbit(
         Along ``point``: the parameter, the state at phase 0 and its ``error`` at that value of
         the parameter, ``residual``; ``multipliers`` and ``stability``; ``amplitude``,
         ``maximum`` and ``minimum`` with their errors; along ``point`` and ``period``:
-        ``thickness_stretch`` and its rate at the beginning of each drive period.  Along
-        ``special``: ``special_kind`` (``fold``, ``period doubling``, ``Neimark-Sacker``,
-        ``branch point``), its parameter and ``special_error``, its state and
-        ``special_state_error``, ``special_orbit_period``: the least period of its orbit,
-        which is half the branch's where this starts or ends on the branch that it doubled
-        from.  Along ``end``: ``end_reason``, why the branch ends before its first and after
-        its last point (``bounds``, ``closed``, ``period doubling``, ``max_points``,
-        ``lost``), and ``end_bound``, what reached its bound.  ``status`` is ``incomplete``
-        where an end is ``max_points``, ``lost`` or a bound of the state that was not asked
-        for, or where the search for the orbit nearest to rest was, with the ``reason``;
-        ``diverged`` where `over` has other combinations and there
-        is no orbit to start from.
+        ``thickness_stretch`` and ``thickness_stretch_rate`` at the beginning of each drive
+        period.  Along ``special``: ``special_kind`` (``fold``, ``period doubling``,
+        ``Neimark-Sacker``, ``branch point``), its parameter ``special_<parameter>`` and
+        ``special_error``, its state, such as ``special_stretch``, and ``special_state_error``,
+        ``special_amplitude``, ``special_orbit_period``: the least period of its orbit, which
+        is half the branch's where this starts or ends on the branch that it doubled from, and
+        ``special_branch``, 0, as there is one branch.  Along ``end``: ``end_reason``, why the
+        branch ends before its first and after its last point (``bounds``, ``closed``,
+        ``period doubling``, ``max_points``, ``lost``), and ``end_bound``, what reached its
+        bound.  ``status`` is ``incomplete`` where an end is ``max_points``, ``lost`` or a bound
+        of the state that was not asked for, or where the search for the orbit nearest to rest
+        was, with the ``reason``; ``diverged`` where `over` has other combinations and there is
+        no orbit to start from.
 
     Raises
     ------

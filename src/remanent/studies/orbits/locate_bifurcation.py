@@ -90,6 +90,12 @@ def locate_bifurcation(
     continue_orbit : A branch, with all its special points.
     continue_bifurcation : The same point along a curve in two parameters.
 
+    Notes
+    -----
+    Newton's method on the extended system of the orbit and the smallest singular value of J - 1
+    (a fold) or J + 1 (a period doubling), J being the Jacobian of the map over the orbit
+    (Kuznetsov 2004, chapter 10).
+
     Examples
     --------
     >>> import remanent as rm

@@ -87,6 +87,11 @@ def response_diagram(
     frequency_response : The response from rest, as an experiment sees it.
     resonances : Which resonance each peak of the branches is.
 
+    Notes
+    -----
+    Orbits are searched at the slices as by :func:`remanent.periodic_orbits`, and each that no
+    branch has passed yet is followed both ways as by :func:`remanent.continue_orbit`.
+
     Examples
     --------
     >>> import remanent as rm

@@ -101,8 +101,8 @@ def switch_branch(
 
     See Also
     --------
-    remanent.continue_orbit : the branch to start from.
-    remanent.periodic_orbits : orbits of any period, without a branch.
+    remanent.continue_orbit : The branch to start from.
+    remanent.periodic_orbits : Orbits of any period, without a branch.
 
     Notes
     -----

@@ -104,6 +104,12 @@ def basins(
     InputError
         A bad argument, or a load without a period.
 
+    See Also
+    --------
+    remanent.classify : The rules by which regimes are told apart.
+    remanent.periodic_orbits : All orbits, the unstable ones between basins too.
+    remanent.manifold_crossing : Where a basin's boundary passes through a state.
+
     Notes
     -----
     The standard error is that of states drawn at random from the grid's box: Wilson's interval
@@ -122,12 +128,6 @@ def basins(
     ... )
     >>> ds.basin.values.tolist(), ds.fraction.values.tolist()
     ([[0, 0], [0, 0], [0, 0]], [1.0])
-
-    See Also
-    --------
-    remanent.classify : the rules by which regimes are told apart.
-    remanent.periodic_orbits : all orbits, the unstable ones between basins too.
-    remanent.manifold_crossing : where a basin's boundary passes through a state.
     """
     periods = require_run_length(periods)
     tolerance = require_tolerance(tolerance, "the error that one drive period adds")

@@ -101,6 +101,12 @@ def bifurcation_diagram(
     InputError
         A bad argument, or a load without a period.
 
+    See Also
+    --------
+    remanent.continue_orbit : Branches of orbits, the unstable ones too.
+    remanent.classify : What kind of motion the points belong to.
+    remanent.poincare_section : Points of the section at one set of parameters.
+
     Notes
     -----
     Points are not joined to branches and unstable motions do not show: they are found by
@@ -119,12 +125,6 @@ def bifurcation_diagram(
     ... )
     >>> bool(np.ptp(ds.stretch.values, axis=1).max() < 1e-6)  # period 1 throughout
     True
-
-    See Also
-    --------
-    remanent.continue_orbit : branches of orbits, the unstable ones too.
-    remanent.classify : what kind of motion the points belong to.
-    remanent.poincare_section : points of the section at one set of parameters.
     """
     require_choice("direction", direction, ["up", "down", "both"])
     discard = require_count("discard", discard, "Whole drive periods pass.", 0)

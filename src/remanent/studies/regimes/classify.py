@@ -89,6 +89,12 @@ def classify(
     InputError
         A bad argument, or a load without a period.
 
+    See Also
+    --------
+    remanent.regime_chart : The same along two parameters.
+    remanent.basins : The same for many initial states, with the attractors.
+    remanent.lyapunov : Exponents alone.
+
     Notes
     -----
     ``chaotic`` needs an exponent above 0 by three standard errors, the same at three
@@ -110,12 +116,6 @@ def classify(
     ... )
     >>> str(ds.regime.values), int(ds.period)
     ('periodic', 1)
-
-    See Also
-    --------
-    remanent.regime_chart : the same along two parameters.
-    remanent.basins : the same for many initial states, with the attractors.
-    remanent.lyapunov : exponents alone.
     """
     periods = require_run_length(periods)
     tolerance = require_tolerance(tolerance, "the error that one drive period adds")

@@ -119,6 +119,11 @@ def lyapunov(
     InputError
         A bad argument, or a load without a period.
 
+    See Also
+    --------
+    remanent.classify : Regimes, by this and other evidence.
+    remanent.periodic_orbits : Multipliers of closed orbits, which need no average.
+
     Notes
     -----
     Tangents obey w' = J w along the motion and are made orthonormal again after every few
@@ -136,11 +141,6 @@ def lyapunov(
     >>> ds = rm.lyapunov(rm.Actuator(), rm.SineSquared(0.4, 1.25), periods=100)
     >>> bool(abs(ds.exponent) < 3 * ds.exponent_error + 0.05)
     True
-
-    See Also
-    --------
-    remanent.classify : regimes, by this and other evidence.
-    remanent.periodic_orbits : multipliers of closed orbits, which need no average.
     """
     require_exactly_one_argument(periods=periods, duration=duration)
     count = require_count("count", count, "It is a number of exponents.")

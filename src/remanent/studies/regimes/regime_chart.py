@@ -64,6 +64,11 @@ def regime_chart(
     InputError
         A bad argument, other than two axes, or a load without a period.
 
+    See Also
+    --------
+    remanent.classify : The rules, and the same along any number of parameters.
+    remanent.plots.map : A picture of the chart.
+
     Notes
     -----
     Every point is labelled by the same rules as a single motion, however fine the chart is.
@@ -81,11 +86,6 @@ def regime_chart(
     ... )
     >>> ds.regime.dims, set(ds.regime.values.ravel().tolist())
     (('b', 'omega'), {'quasi-periodic'})
-
-    See Also
-    --------
-    remanent.classify : the rules, and the same along any number of parameters.
-    remanent.plot.map : a picture of the chart.
     """
     periods = require_run_length(periods)
     tolerance = require_tolerance(tolerance, "the error that one drive period adds")

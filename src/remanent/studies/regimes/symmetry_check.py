@@ -81,6 +81,10 @@ def symmetry_check(
     InputError
         A bad argument, a load without a period, or an actuator of two coordinates.
 
+    See Also
+    --------
+    remanent.simulate : The motion with both coordinates, ``prestress=(S, S)``.
+
     Notes
     -----
     The equations of both coordinates are linearised about the motion with λ₁ = λ₂; the
@@ -97,10 +101,6 @@ def symmetry_check(
     >>> ds = rm.symmetry_check(rm.Actuator(), rm.SineSquared(0.4, 2.0))
     >>> str(ds.symmetry.values)
     'kept'
-
-    See Also
-    --------
-    remanent.simulate : the motion with both coordinates, ``prestress=(S, S)``.
     """
     periods = require_count("periods", periods, "Growth shows in a long run.", _MIN_PERIODS)
     tolerance = require_tolerance(tolerance, "the error that one drive period adds")

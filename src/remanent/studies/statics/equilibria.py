@@ -82,7 +82,7 @@ def equilibria(
         of its first field at which two equilibria meet, ``fold_m`` for example, and the
         ``fold_stretch`` and ``fold_thickness_stretch`` there, with errors.  ``potential`` and
         ``level`` are closed forms at exact stretches, with no error but rounding.  Where a
-        value of `over` is invalid everything is NaN.  With two coordinates:
+        value of `over` is invalid, as ``status`` says, everything is NaN.  With two coordinates:
         ``stretch_1``, ``stretch_2``, ordered by the first, and ``natural_frequency`` along
         ``mode`` too; no folds and no table of the potential.
         Of a system of one's own: its coordinates and internal variables with their errors,

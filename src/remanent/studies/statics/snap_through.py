@@ -98,7 +98,7 @@ def snap_through(
         ``stable`` where a stable equilibrium is lost; along ``branch_point`` the same where
         branches of equilibria cross, as in the buckling of a symmetric structure; along ``snap``
         the thresholds of a system with one coordinate that loses no energy, of others nothing.
-        The status is ``incomplete``, with the ``reason``, where some may be missing.
+        ``status`` is ``incomplete``, with the ``reason``, where some may be missing.
 
     Raises
     ------

@@ -37,6 +37,7 @@ def sweep(
     Parameters
     ----------
     system : System
+        What moves.
     drive : Drive or None
         None for verbs without a drive, such as `equilibria`.
     over : mapping of name to array_like or DataArray
@@ -68,7 +69,7 @@ def sweep(
 
     See Also
     --------
-    remanent.load : reads a store.
+    remanent.load : Reads a store.
 
     Examples
     --------
