@@ -19,7 +19,7 @@ const FIRST = ["temperature", "reference_temperature", "prestress", "prestress_1
 const RUNS = {
   periods: { name: "periods", symbol: "N", text: "drive periods", unit: "1", min: 10, max: 2000, scale: "log",
     rule: "It must be a whole number from 1 to 5000.", limits: LENGTH_LIMITS.periods },
-  duration: { name: "duration", symbol: "\\tau_w", text: "duration", unit: "1", min: 5, max: 2000, scale: "log",
+  duration: { name: "duration", symbol: "\\tau_{\\mathrm{end}}", text: "duration", unit: "1", min: 5, max: 2000, scale: "log",
     rule: "It must be greater than 0 and at most 20 000.", limits: LENGTH_LIMITS.duration },
 };
 
@@ -87,7 +87,7 @@ function startSection(app, factors, shown) {
   const controls = description.state.map((one, k) => {
     const span = rangeOfStart(one, initial[k]);
     const parameter = {
-      ...one, ...span, scale: "linear", limits: startLimits(one),
+      ...one, ...span, symbol: `${one.symbol}(0)`, scale: "linear", limits: startLimits(one),
       rule: one.positive ? "It must be a finite number greater than 0." : "It must be a finite number.",
     };
     const control = numberControl(parameter, {

@@ -1,6 +1,6 @@
 // The page: what it starts with, what it shows, and how its parts come together.
 
-import { ask, onConnection } from "./api.js";
+import { ask, isServerThere, onConnection } from "./api.js";
 import { addActions } from "./actions.js";
 import { actuatorView } from "./actuator_view.js";
 import { backgroundWork } from "./background.js";
@@ -23,6 +23,9 @@ import { storeView } from "./store_view.js";
 import { takeAwayDialog } from "./take_away.js";
 import { startTheme } from "./theme.js";
 import { foldingPanel, toolBar } from "./tool_bar.js";
+
+/** Milliseconds between two questions to a server that has gone. */
+const ASK_AGAIN_MS = 4000;
 
 /** What the page starts with: from the file itself where it was saved, else from the server. */
 async function startingData() {
@@ -64,10 +67,14 @@ function addParts(app) {
     state: (on) => app.views.actuator.playing(on),
   });
   app.views.actuator.playing(app.clock.isOn());
+  let asking = null;
   onConnection((isThere) => {
     app.status.server(isThere);
+    clearInterval(asking);
     if (isThere) {
       app.background?.again();
+    } else {
+      asking = setInterval(isServerThere, ASK_AGAIN_MS);
     }
   });
 }
