@@ -62,7 +62,8 @@ def save_page(opened: Opened, path: Path, report: StageFunction) -> Path:
         raise RemanentError(f"{path} cannot be written: its folder is not there.")
     subject = read_subject(opened.spec if opened.spec is not None else presets()[0]["spec"])
     model = page_model(subject.system, subject.drive, subject.initial)
-    text = saved_page(model, results_of(subject, model.description["state"], report))
+    results = results_of(subject, model.description["state"], report)
+    text = saved_page(model, results, presets=presets())
     try:
         with atomic_replacement(path) as file:
             file.write_text(text, encoding="utf-8")

@@ -5,6 +5,7 @@ import { card, keyEntry, putText, segments, showKey } from "./card.js";
 import { determinedCount, firstAfter, observableError, refined } from "./curves.js";
 import { errorText, numberText } from "./numbers.js";
 import { createPlot } from "./plot.js";
+import { VISIBLE_ERROR } from "./scene.js";
 import { symbolText } from "./symbols.js";
 import { colours } from "./theme.js";
 import { placeTip } from "./tip.js";
@@ -12,8 +13,6 @@ import { TIME, conversion, converted, timeText, titleOf } from "./units.js";
 
 /** Time that is shown at first, in units of tau. */
 const SHOWN_TIME = 100;
-/** Share of a variable from which an error can be seen beside the curve. */
-const VISIBLE_ERROR = 1e-3;
 
 /**
  * The view of the history.

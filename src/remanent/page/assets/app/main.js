@@ -39,8 +39,8 @@ async function run() {
   const start = await startingData();
   const field = await import(start.field);
   const app = {
-    start, saved: Boolean(start.saved), kinds: start.kinds, presets: start.saved ? [] : start.presets,
-    store: createStore(initialState(start.model, field, { isStart: true })),
+    start, saved: Boolean(start.saved), kinds: start.kinds, presets: start.presets,
+    store: createStore(initialState(start.model, field, { isStart: !start.saved })),
   };
   addActions(app);
   addModels(app);
@@ -48,9 +48,6 @@ async function run() {
   addPictures(app);
   byId("loading").remove();
   await showFirst(app);
-  if (app.saved) {
-    showSavedResults(app);
-  }
   document.documentElement.dataset.ready = "true";
 }
 
@@ -66,6 +63,7 @@ function addParts(app) {
     instant: (now) => app.views.live.forEach((view) => view.mark?.(now)),
     state: (on) => app.views.actuator.playing(on),
   });
+  byId("saved").hidden = !app.saved;
   app.views.actuator.playing(app.clock.isOn());
   let asking = null;
   onConnection((isThere) => {
@@ -100,14 +98,6 @@ function makeViews(app) {
   views.maps = [views.basins, views.regime_chart];
   views.live = [views.history, views.phase, views.potential, views.actuator, views.response, views.regime, ...views.maps];
   return views;
-}
-
-/** What the server would compute, as it was when the page was saved. */
-function showSavedResults(app) {
-  const { response, regime, maps } = app.views;
-  [response, regime, ...maps].forEach((view) => view.showSaved(app.start.results));
-  app.relabel();
-  byId("saved").hidden = false;
 }
 
 run().catch((error) => {

@@ -115,9 +115,11 @@ function mapView(app, { id, title, job, empty, grid, here, cell, pick, further =
       }
     },
     showSaved: (results) => {
+      seen.result = null;
       if (results[job]) {
         show(results[job], "As computed when this page was saved. ");
       }
+      view.node.hidden = !seen.result;
     },
     figure: () => ({ plotly: seen.figure, name: id, title }),
   };

@@ -61,10 +61,42 @@ function showBanner(words) {
 
 let lastQuestion = 0;
 
-/** Ask the server for a model and show it, unless something else was asked for meanwhile. */
+/** A model that was asked for: of the server, or of the file itself where the page was saved. */
+async function modelFor(app, question) {
+  if (!app.saved) {
+    return send("/api/model", question);
+  }
+  const found = savedModels(app).find(({ model }) => isEqual(model.spec, question.spec));
+  if (!found) {
+    throw new Error("This page was saved with other equations. Open the address with “remanent explore”.");
+  }
+  return found;
+}
+
+/** Every model that a saved page holds: what it was saved with, and its presets. */
+function savedModels({ start, presets }) {
+  return [start, ...presets];
+}
+
+function isEqual(one, other) {
+  return JSON.stringify(one) === JSON.stringify(other);
+}
+
+/**
+ * What a saved page holds of the model that it shows: `results`, `reproduction`, `exports`.
+ * @param {Object} app
+ * @returns {Object}
+ */
+export function heldOf(app) {
+  const { id, spec } = app.store.get().description;
+  const same = savedModels(app).filter(({ model }) => model.id === id);
+  return same.find(({ model }) => isEqual(model.spec, spec)) ?? same[0] ?? {};
+}
+
+/** Ask for a model and show it, unless something else was asked for meanwhile. */
 async function adopt(app, question, given) {
   const mine = (lastQuestion += 1);
-  const { model, field } = await send("/api/model", question);
+  const { model, field } = await modelFor(app, question);
   const module = await import(field);
   if (mine !== lastQuestion) {
     return;
@@ -89,8 +121,23 @@ function present(app, state, words = []) {
     app.background?.forget();
     app.tellRegime("");
   }
+  if (app.saved) {
+    showSavedResults(app);
+  }
   app.changed();
   showBanner([...words, ...state.description.warnings].join(" "));
+}
+
+const ELSEWHERE = "The results of this page are of the system that it was saved with.";
+
+/** What the server would compute, as it was when the page was saved. */
+function showSavedResults(app) {
+  const { response, regime, maps } = app.views;
+  app.drawNow();
+  const { results } = heldOf(app);
+  const none = { frequency_response: { series: [], reason: ELSEWHERE }, classify: { series: [], reason: ELSEWHERE } };
+  [response, regime, ...maps].forEach((view) => view.showSaved(results ?? none));
+  app.relabel();
 }
 
 /** Show what the address says. */
@@ -100,7 +147,7 @@ async function followAddress(app) {
   const mine = (lastQuestion += 1);
   const { state, refusal } = await stateOfAddress(app, said, preset);
   if (mine === lastQuestion) {
-    const isUnknown = said.preset !== null && !preset && !app.saved;
+    const isUnknown = said.preset !== null && !preset;
     const shown = withAddress(state, refusal ? { values: {}, initial: {}, view: said.view } : said);
     const words = said.broken || isUnknown || (shown.isBroken && !refusal) ? [BROKEN] : [];
     present(app, shown.state, [...words, ...(refusal ? [refusal] : [])]);
@@ -118,17 +165,17 @@ async function stateOfAddress(app, said, preset) {
   if (preset && before.preset === said.preset) {
     return { state: initialState(before.description, before.field, { preset: preset.id, ...viewOf(preset) }) };
   }
-  const spec = preset?.spec ?? (app.saved ? null : said.spec);
+  const spec = preset?.spec ?? said.spec;
   if (spec) {
     try {
-      const { model, field } = await send("/api/model", { spec });
+      const { model, field } = await modelFor(app, { spec });
       return { state: initialState(model, await import(field), { preset: preset?.id ?? null, ...viewOf(preset) }) };
     } catch (error) {
       refusal = `The system of the address cannot be shown. ${error.message}`;
     }
   }
   const named = presetOf(app, app.startPreset);
-  const given = named ? { preset: named.id, ...viewOf(named) } : { isStart: true };
+  const given = named ? { preset: named.id, ...viewOf(named) } : { isStart: !app.saved };
   return { state: initialState(start.model, await import(start.field), given), refusal };
 }
 
@@ -146,16 +193,16 @@ export async function showFirst(app) {
   app.drawNow();
 }
 
-/** Where the server was asked for nothing, the page shows its first preset: say which. */
+/** Where the page shows its first preset since nothing else was asked for, say which. */
 async function nameStart(app) {
   const [first] = app.presets;
   if (!first || app.start.store) {
     return;
   }
   try {
-    const { model } = await send("/api/model", { spec: first.spec });
-    const { preset, isStart } = app.store.get();
-    if (isStart && preset === null && JSON.stringify(model.spec) === JSON.stringify(app.start.model.spec)) {
+    const { model } = await modelFor(app, { spec: first.spec });
+    const { preset, description } = app.store.get();
+    if (description === app.start.model && preset === null && isEqual(model.spec, description.spec)) {
       app.startPreset = first.id;
       app.store.update({ preset: first.id, isStart: false, defaults: viewOf(first).defaults });
       app.bar.build();

@@ -72,7 +72,9 @@ export function regimeView(app) {
       if (results.classify?.series.length) {
         show(results.classify, "As computed when this page was saved. ");
       } else {
+        refill(view.body);
         view.say(results.classify?.reason || "The page was saved without a regime.");
+        app.tellRegime("");
       }
     },
     unavailable: (text) => {
