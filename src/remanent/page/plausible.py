@@ -68,12 +68,12 @@ _RATIO: Final = Bounds(1e-6, 1e6, f"It is a ratio of lengths of one block. {_PYT
 _ANGLE: Final = Bounds(-1e4, 1e4, "It is an angle, of which whole turns change nothing.")
 _STRETCH: Final = Bounds(1e-3, 1e3, f"It is a ratio of lengths of one block. {_PYTHON}")
 _RATE: Final = Bounds(-1e4, 1e4, f"The block itself moves at rates of about one. {_PYTHON}")
-#: By the last word of the dotted name, its numbers left out.
+#: By the dotted name, its numbers left out: numbers of parts have names of their own.
 _BOUNDS: Final[Mapping[str, Bounds]] = MappingProxyType(
     {
         "temperature": _KELVIN, "reference_temperature": _KELVIN, "body_temperature": _KELVIN,
         "c": _RATIO, "edges": _RATIO, "prestress": _STRESS,
-        "stretch": _STRETCH, "viscous_stretch": _STRETCH,
+        "stretch": _STRETCH, "dissipation.viscous_stretch": _STRETCH,
         "b": Bounds(-30.0, 30.0, _LOAD.why), "m": _LOAD, "mean": _LOAD, "loads": _LOAD,
         "omega": _FREQUENCY, "start": _FREQUENCY, "stop": _FREQUENCY,
         "phase": _ANGLE, "phases": _ANGLE,
@@ -97,10 +97,10 @@ def bounds_of(name: str, system: System) -> Bounds:
     """
     if not isinstance(system, Actuator):
         return _USUAL
-    word = re.sub(r"\.\d+", "", name).rpartition(".")[2]
-    if word.endswith("_rate"):
+    plain = re.sub(r"\.\d+", "", name)
+    if plain.endswith("_rate"):
         return _RATE
-    return _BOUNDS.get(re.sub(r"_[12]$", "", word), _USUAL)
+    return _BOUNDS.get(re.sub(r"_[12]$", "", plain), _USUAL)
 
 
 def faults_of_size(system: System, drive: Drive, initial: Mapping[str, float]) -> list[Fault]:
@@ -126,4 +126,4 @@ def _numbers(
         elif path[:2] == ("actuator", "si"):
             yield path, float(str(value).partition(" ")[0]), _PHYSICAL
         elif isinstance(value, int | float) and not isinstance(value, bool):
-            yield path, float(value), bounds_of(".".join(map(str, path)), system)
+            yield path, float(value), bounds_of(".".join(map(str, path[1:])), system)

@@ -2,6 +2,7 @@
 
 import { button, element, menu, refill } from "./dom.js";
 import { numberControl } from "./number_control.js";
+import { partTable } from "./part_table.js";
 import { LENGTH_LIMITS, startLimits } from "./state.js";
 import { kindMenus } from "./structure.js";
 import { conversion } from "./units.js";
@@ -60,7 +61,8 @@ function section(app, group, factors, shown) {
     .filter((one) => one.group === group.id)
     .sort((a, b) => rank(a.name) - rank(b.name));
   const menus = kindMenus(app, group.id);
-  if (!parameters.length && !menus) {
+  const table = ["drive", "material"].includes(group.id) ? partTable(app, group.id, factors) : null;
+  if (!parameters.length && !menus && !table) {
     return null;
   }
   const controls = parameters.map((parameter) => {
@@ -73,7 +75,7 @@ function section(app, group, factors, shown) {
   const title = group.id === "drive" && description.kind !== "Actuator" ? "Load" : group.title;
   return element(
     "fieldset", { class: "group", "data-group": group.id },
-    element("legend", { text: title }), menus, ...controls,
+    element("legend", { text: title }), menus, ...controls, table,
   );
 }
 

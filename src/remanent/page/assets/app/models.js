@@ -7,14 +7,16 @@ import { byId } from "./dom.js";
 import { initialState, viewOf, withAddress } from "./state.js";
 
 /**
- * Add to the page what shows another model: `chooseSpec`, `chooseToml`, `choosePreset`.
+ * Add to the page what shows another model: `chooseSpec`, `trySpec`, `chooseToml`, `choosePreset`;
+ * `trySpec` leaves it to the one who calls to tell what is wrong with a spec.
  * @param {Object} app
  */
 export function addModels(app) {
-  app.chooseSpec = (spec) => told(app, async () => {
+  app.trySpec = (spec) => {
     const { periods, duration, defaults } = app.store.get();
-    await adopt(app, { spec }, { periods, duration, defaults });
-  });
+    return adopt(app, { spec }, { periods, duration, defaults });
+  };
+  app.chooseSpec = (spec) => told(app, () => app.trySpec(spec));
   app.chooseToml = (toml) => adopt(app, { toml }, {});
   app.choosePreset = (id) => told(app, async () => {
     const preset = presetOf(app, id);
@@ -128,15 +130,17 @@ function present(app, state, words = []) {
   showBanner([...words, ...state.description.warnings].join(" "));
 }
 
-const ELSEWHERE = "The results of this page are of the system that it was saved with.";
+const SAVED = "A saved page: curves follow the sliders; frequency response, regime, basins and chart are as they were computed when it was saved.";
+const SAVED_ELSEWHERE = "A saved page: curves follow the sliders; frequency response, regime, basins and chart are of the system that it was saved with.";
 
 /** What the server would compute, as it was when the page was saved. */
 function showSavedResults(app) {
   const { response, regime, maps } = app.views;
   app.drawNow();
   const { results } = heldOf(app);
-  const none = { frequency_response: { series: [], reason: ELSEWHERE }, classify: { series: [], reason: ELSEWHERE } };
-  [response, regime, ...maps].forEach((view) => view.showSaved(results ?? none));
+  app.hasResults = results !== undefined;
+  byId("saved").textContent = app.hasResults ? SAVED : SAVED_ELSEWHERE;
+  [response, regime, ...maps].forEach((view) => view.showSaved(results ?? {}));
   app.relabel();
 }
 

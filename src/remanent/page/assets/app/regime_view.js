@@ -55,7 +55,7 @@ export function regimeView(app) {
     node: view.node,
     cancel: view.cancel,
     draw: (scene) => {
-      view.node.hidden = !scene.description.drive.periodic;
+      view.node.hidden = app.saved ? !app.hasResults : !scene.description.drive.periodic;
       if (scene.factors !== factors) {
         factors = scene.factors;
         view.body.querySelector(".evidence")?.replaceWith(table());

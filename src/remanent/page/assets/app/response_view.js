@@ -97,7 +97,7 @@ export function responseView(app) {
     forget: () => { seen.response = seen.diagram = seen.colour = seen.range = seen.words = null; seen.stale = false; view.say(""); },
     outdate: () => { seen.stale = true; seen.diagram = null; show(); },
     draw: (scene) => {
-      view.node.hidden = !isWanted(scene) && !app.saved;
+      view.node.hidden = app.saved ? !app.hasResults : !isWanted(scene);
       const stale = app.saved ? app.isChanged() : seen.stale;
       const same = seen.scene && stale === seen.stale && plot.content && seen.scene.colour === scene.colour && seen.scene.factors === scene.factors && seen.scene.description === scene.description;
       const otherUnits = seen.scene && seen.scene.factors !== scene.factors;
