@@ -38,7 +38,8 @@ async ([url, options, count]) => {
   return {
     t: chosen(motion.t), y: motion.y.map(chosen), error: chosen(motion.error),
     observables: motion.observables.map(chosen), scales: [...motion.scales],
-    status: motion.status, message: messageOf(motion, (t) => `τ = ${t.toPrecision(4)}`), determinedUntil: motion.determinedUntil,
+    status: motion.status, message: messageOf(motion, (t) => `τ = ${t.toPrecision(4)}`),
+    determinedUntil: motion.determinedUntil,
     end: motion.t[last], steps: motion.stepsPerPeriod, milliseconds: motion.milliseconds,
   };
 }

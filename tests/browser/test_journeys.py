@@ -481,7 +481,8 @@ def test_a_broken_address_is_told(browser: Browser, server: Running) -> None:
         ("p.temperature=-5", "temperature", 350.0), ("p.c=0", "c", 1.0),
         ("p.omega=0", "omega", 1.25), ("y.stretch=-1", "stretch", 1.0),
         ("periods=1e9", "periods", 500.0), ("periods=3.7", "periods", 500.0),
-        ("p.none=1", "temperature", 350.0), ("p.temperature=1e308", "temperature", 350.0), ("y.__proto__=1&p.constructor=1", "stretch", 1.0),
+        ("p.none=1", "temperature", 350.0), ("p.temperature=1e308", "temperature", 350.0),
+        ("y.__proto__=1&p.constructor=1", "stretch", 1.0),
         ("span=middle", "temperature", 350.0), ("units=imperial", "temperature", 350.0),
     ],
 )  # fmt: skip
@@ -512,8 +513,10 @@ def test_at_rest_a_motion_is_known_longer(visit: go.Watched) -> None:
     """A chaotic motion is followed with more steps when nothing has moved for a moment."""
     page = visit.page
     page.select_option("#preset", "two-wells")
-    page.wait_for_function("() => document.title && location.hash.includes('two-wells')")
-    until = "() => Number(/τ = ([0-9.]+)/.exec(document.querySelector('#status-error').textContent)[1])"
+    page.wait_for_function("() => location.hash.includes('two-wells')")
+    until = (
+        "() => Number(/τ = ([0-9.]+)/.exec(document.querySelector('#status-error').textContent)[1])"
+    )
     page.wait_for_function(f"() => ({until})() > 200")
     go.type_number(page, "delta", "0.26")
     first = page.evaluate(until)

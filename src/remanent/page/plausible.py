@@ -1,8 +1,8 @@
 """How large numbers may be that a page follows: beyond, no block of rubber is meant.
 
 Rules of the model say what is no number of it at all, and the package computes whatever they
-allow.  A page is told its numbers by hand and by addresses, where a slip of the keyboard is likelier
-than a block at a thousand million kelvin.
+allow.  A page is told its numbers by hand and by addresses, where a slip of the keyboard is
+likelier than a block at a thousand million kelvin.
 """
 
 from __future__ import annotations
@@ -54,7 +54,9 @@ class Bounds:
 _PYTHON: Final = "In Python it can be computed, if it is meant."
 _SIZE: Final = 1e9
 _USUAL: Final = Bounds(-_SIZE, _SIZE, f"Larger numbers are rarely meant. {_PYTHON}")
-_KELVIN: Final = Bounds(1.0, 2000.0, f"At other temperatures rubber is glass, or has burnt. {_PYTHON}")
+_KELVIN: Final = Bounds(
+    1.0, 2000.0, f"At other temperatures rubber is glass, or has burnt. {_PYTHON}"
+)
 _STRESS: Final = Bounds(
     -1e3, 1e3, f"It is a multiple of the shear modulus, which no rubber stands. {_PYTHON}"
 )
@@ -64,6 +66,7 @@ _LOAD: Final = Bounds(
 _FREQUENCY: Final = Bounds(
     1e-6, 1e6, f"The block itself vibrates at a few radians in a unit of time. {_PYTHON}"
 )
+_ENDS_OF_CHIRP: Final = Bounds(-_FREQUENCY.most, _FREQUENCY.most, _FREQUENCY.why)
 _RATIO: Final = Bounds(1e-6, 1e6, f"It is a ratio of lengths of one block. {_PYTHON}")
 _ANGLE: Final = Bounds(-1e4, 1e4, "It is an angle, of which whole turns change nothing.")
 _STRETCH: Final = Bounds(1e-3, 1e3, f"It is a ratio of lengths of one block. {_PYTHON}")
@@ -75,7 +78,7 @@ _BOUNDS: Final[Mapping[str, Bounds]] = MappingProxyType(
         "c": _RATIO, "edges": _RATIO, "prestress": _STRESS,
         "stretch": _STRETCH, "dissipation.viscous_stretch": _STRETCH,
         "b": Bounds(-30.0, 30.0, _LOAD.why), "m": _LOAD, "mean": _LOAD, "loads": _LOAD,
-        "omega": _FREQUENCY, "start": _FREQUENCY, "stop": _FREQUENCY,
+        "omega": _FREQUENCY, "start": _ENDS_OF_CHIRP, "stop": _ENDS_OF_CHIRP,
         "phase": _ANGLE, "phases": _ANGLE,
     }
 )  # fmt: skip

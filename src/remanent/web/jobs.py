@@ -103,9 +103,7 @@ class EquilibriaOptions(Table):
     state_box: dict[str, _Range] | None = None
 
 
-_OverFrequencies = TypeVar(
-    "_OverFrequencies", FrequencyResponseOptions, ResponseDiagramOptions
-)
+_OverFrequencies = TypeVar("_OverFrequencies", FrequencyResponseOptions, ResponseDiagramOptions)
 
 
 @dataclass(frozen=True)
