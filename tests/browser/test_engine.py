@@ -29,6 +29,7 @@ RUN = """
 async ([url, options, count]) => {
   const field = await import(url);
   const { integrate } = await import("/engine/motion.js");
+  const { messageOf } = await import("/engine/messages.js");
   const motion = integrate(field, options);
   const last = motion.t.length - 1;
   const rows = [...new Set(Array.from({ length: count }, (_, k) =>
@@ -37,7 +38,8 @@ async ([url, options, count]) => {
   return {
     t: chosen(motion.t), y: motion.y.map(chosen), error: chosen(motion.error),
     observables: motion.observables.map(chosen), scales: [...motion.scales],
-    status: motion.status, message: motion.message, determinedUntil: motion.determinedUntil,
+    status: motion.status, message: messageOf(motion, (t) => `τ = ${t.toPrecision(4)}`),
+    determinedUntil: motion.determinedUntil,
     end: motion.t[last], steps: motion.stepsPerPeriod, milliseconds: motion.milliseconds,
   };
 }

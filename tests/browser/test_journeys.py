@@ -111,6 +111,43 @@ def test_another_kind_of_part(visit: go.Watched) -> None:
     assert not page.is_visible("#response")
 
 
+def test_tables_of_a_load_are_edited(visit: go.Watched) -> None:
+    """Times and loads are a table in the panel; what is wrong with it is told beside it."""
+    page = visit.page
+    page.select_option("[data-kind=drive]", "Steps")
+    page.click("[data-table=drive] summary")
+    text, fault = "[data-table=drive] textarea", "[data-table=drive] .fault"
+    for rows, words in (("0 0.1\n30 x", "no row"), ("0 0.1\n30 1e9", "between"),
+                        ("0 0.1\n30 0.2\n9 0", "increase")):  # fmt: skip
+        page.fill(text, rows)
+        page.click("[data-apply=drive]")
+        page.wait_for_function(
+            "([place, words]) => document.querySelector(place).textContent.includes(words)",
+            arg=[fault, words],
+        )
+    before = go.picture(page, "history")
+    page.fill(text, "0 0.1\n40 0.3")
+    page.click("[data-apply=drive]")
+    page.wait_for_function("() => location.hash.includes('%5B0%2C40%5D')")
+    go.wait_for_pictures(page)
+    assert go.picture(page, "history") != before
+    assert page.input_value(text) == "0  0.1\n40  0.3"
+    visit.forgive_network()
+
+
+def test_a_formula_is_edited(visit: go.Watched) -> None:
+    """A strain energy of one's own is written in the panel, with its constants."""
+    page = visit.page
+    page.select_option("[data-kind=material]", "StrainEnergy")
+    page.click("[data-table=material] summary")
+    fields = page.locator("[data-table=material] textarea")
+    fields.nth(0).fill("a*(I1 - 3) + d*(I1 - 3)**3")
+    fields.nth(1).fill("a = 0.5\nd = 0.001")
+    page.click("[data-apply=material]")
+    go.control(page, "material.d").wait_for()
+    assert go.value(page, "material.a") == 0.5
+
+
 def test_own_system(visit: go.Watched) -> None:
     """The text of a study file becomes a system; its faults are told with their places."""
     page = visit.page
@@ -234,6 +271,9 @@ def test_server_goes_and_comes_back(browser: Browser) -> None:
             servers.close()
             page.select_option("#preset", "figure-6")
             page.wait_for_selector("#retry")
+            page.select_option("#basins select", "16")
+            page.click("#basins button:has-text('Compute')")
+            page.wait_for_selector("#basins .card-note.bad")
             assert "server" in page.inner_text("#status-server")
             before = go.picture(page, "history")
             go.type_number(page, "temperature", "280")
@@ -244,9 +284,10 @@ def test_server_goes_and_comes_back(browser: Browser) -> None:
             page.click("#retry")
             assert page.is_visible("#retry")
             servers.enter_context(running(Opened(), port=first.port))
-            page.evaluate("() => document.querySelector('#retry').click()")
-            page.wait_for_selector("#retry", state="hidden")
+            page.wait_for_selector("#retry", state="hidden")  # it is found without being asked
             assert not page.is_visible("#banner")
+            assert "does not answer" not in page.inner_text("#basins .card-note")
+            page.wait_for_selector("#basins[aria-busy], #basins .heatmaplayer image")
             page.wait_for_function(
                 "() => document.querySelector('#response .card-note').textContent"
                 ".includes('Largest at')"
@@ -399,6 +440,19 @@ def test_units_turn_to_si(browser: Browser) -> None:
         assert "Hz" in go.control(page, "omega").inner_text()
         assert "mT" in go.control(page, "b").inner_text()
         assert "ms" in page.inner_text("#status-error")
+        page.select_option("[data-kind=drive]", "Sine")
+        go.control(page, "mean").wait_for()
+        labels = page.locator(".control .symbol").all_inner_texts()
+        assert len(set(labels)) == len(labels), labels
+        page.wait_for_function(
+            "() => document.querySelector('#response .card-note').textContent.includes(' ms')"
+        )
+        assert "Hz" in page.inner_text("#response .card-note")
+        assert "τ" not in page.inner_text("#response .card-note")
+        page.click("[data-value=no]")
+        go.wait_for_pictures(page)
+        assert "up to τ = 100" in page.inner_text("#response .card-note")
+        page.click("[data-value=yes]")
         go.type_number(page, "omega", "300")
         page.click("[data-value=no]")
         go.wait_for_pictures(page)
@@ -426,7 +480,8 @@ def test_a_broken_address_is_told(browser: Browser, server: Running) -> None:
         ("p.temperature=-5", "temperature", 350.0), ("p.c=0", "c", 1.0),
         ("p.omega=0", "omega", 1.25), ("y.stretch=-1", "stretch", 1.0),
         ("periods=1e9", "periods", 500.0), ("periods=3.7", "periods", 500.0),
-        ("p.none=1", "temperature", 350.0), ("y.__proto__=1&p.constructor=1", "stretch", 1.0),
+        ("p.none=1", "temperature", 350.0), ("p.temperature=1e308", "temperature", 350.0),
+        ("y.__proto__=1&p.constructor=1", "stretch", 1.0),
         ("span=middle", "temperature", 350.0), ("units=imperial", "temperature", 350.0),
     ],
 )  # fmt: skip
@@ -453,8 +508,22 @@ def test_a_refused_system_of_an_address_is_told(
         watched.forgive_network()
 
 
+def test_at_rest_a_motion_is_known_longer(visit: go.Watched) -> None:
+    """A chaotic motion is followed with more steps when nothing has moved for a moment."""
+    page = visit.page
+    page.select_option("#preset", "two-wells")
+    page.wait_for_function("() => location.hash.includes('two-wells')")
+    until = (
+        "() => Number(/τ = ([0-9.]+)/.exec(document.querySelector('#status-error').textContent)[1])"
+    )
+    page.wait_for_function(f"() => ({until})() > 200")
+    go.type_number(page, "delta", "0.26")
+    first = page.evaluate(until)
+    page.wait_for_function(f"(first) => ({until})() > first", arg=first)
+
+
 def test_enormous_numbers_break_nothing(visit: go.Watched) -> None:
-    """Numbers that no motion stands are typed and taken back; nothing is thrown or drawn wrong."""
+    """Numbers that no motion stands are refused in words; nothing is thrown or drawn wrong."""
     page = visit.page
     before = go.pictures(page)
     for name, text in (
@@ -463,6 +532,7 @@ def test_enormous_numbers_break_nothing(visit: go.Watched) -> None:
     ):  # fmt: skip
         usual = go.field(page, name).input_value()
         go.type_number(page, name, text)
+        assert go.control(page, name).locator(".fault").inner_text().startswith("Got ")
         assert "NaN" not in page.inner_text("body")
         go.type_number(page, name, usual)
     assert go.pictures(page) == before

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 import pytest
 from playwright.sync_api import Browser
@@ -12,6 +13,7 @@ from playwright.sync_api import Browser
 import remanent as rm
 from remanent.page.assemble import saved_page
 from remanent.page.model import page_model
+from remanent.page.presets import presets
 from remanent.web.jobs import job_result
 from remanent.web.subjects import Subject
 from tests.browser import journeys as go
@@ -36,7 +38,8 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> str:
     results = {name: job_result(name, subject, one) for name, one in OPTIONS.items()}
     file = tmp_path_factory.mktemp("page") / "page.html"
     model = page_model(subject.system, subject.drive)
-    file.write_text(saved_page(model, results), encoding="utf-8")
+    chosen = [one for one in presets() if one["id"] in ("figure-6", "two-wells")]
+    file.write_text(saved_page(model, results, presets=chosen), encoding="utf-8")
     return file.as_uri()
 
 
@@ -91,11 +94,41 @@ def test_results_stand_in_for_the_server(visit: go.Watched) -> None:
     assert "saddle" in page.inner_text("#response .card-key")
     assert "period 1" in page.inner_text("#basins .card-key")
     assert not page.is_visible("#regime_chart")
-    for control in ("#preset", "#open-own", "#branches", "[data-kind]", "#data-netcdf"):
+    for control in ("#open-own", "#branches", "[data-kind]", "#data-netcdf"):
         assert page.locator(control).count() == 0
     go.drag_slider(page, "temperature", [0.5, 0.3])
     assert "as saved" in page.inner_text("#response .card-key")
     assert "old" in (page.get_attribute("#status-regime", "class") or "")
+
+
+def test_presets_and_addresses_need_no_server(visit: go.Watched, address: str) -> None:
+    """A preset shows its system without results of another; the address says which it is."""
+    page = visit.page
+    first = go.picture(page, "history")
+    page.select_option("#preset", "two-wells")
+    go.control(page, "delta").wait_for()
+    go.wait_for_pictures(page)
+    assert go.picture(page, "history") != first
+    assert "of the system that it was saved with" in page.inner_text("#saved")
+    for view in ("response", "regime", "basins"):
+        assert not page.is_visible(f"#{view}")
+    page.click("#open-take-away")
+    assert "rm.LagrangianSystem" in page.inner_text("pre[aria-label='motion.py']")
+    page.click("#take-away header button")
+    other = go.other_page(page.context, page.url)
+    assert go.value(other, "delta") == 0.25
+    other.close()
+    page.go_back()
+    go.control(page, "temperature").wait_for()
+    go.wait_for_pictures(page)
+    assert go.picture(page, "history") == first
+    assert "Largest at" in page.inner_text("#response .card-note")
+    go.type_number(page, "b", "0.5")
+    assert "spec=%7B%22actuator" in page.url
+    page.goto("about:blank")
+    foreign = quote('{"actuator":{},"drive":{"kind":"Constant","m":1}}')
+    go.open_page(page, f"{address}#spec={foreign}")
+    assert "saved with other equations" in page.inner_text("#banner")
 
 
 def test_lines_and_equations_are_in_the_file(visit: go.Watched) -> None:

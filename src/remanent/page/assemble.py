@@ -14,7 +14,7 @@ from typing import Any, Final
 from remanent._errors import RemanentError
 from remanent.page.files import PLOTLY_STYLES, assets_folder, module_sources, plotly_script
 from remanent.page.joined import joined_modules
-from remanent.page.model import PageModel
+from remanent.page.model import PageModel, page_model_of_spec
 from remanent.page.reproduction import reproduction
 from remanent.page.spec import read_spec
 from remanent.studies.export.export import export
@@ -38,6 +38,7 @@ def saved_page(
     results: Mapping[str, Any] | None = None,
     *,
     languages: Sequence[str] = _LANGUAGES,
+    presets: Sequence[Mapping[str, Any]] = (),
 ) -> str:
     """The page of a model as one file that works alone, from a disk, without a network.
 
@@ -49,6 +50,9 @@ def saved_page(
         What the engine found, by the names of the jobs: plain data that the page draws.
     languages : sequence of str
         Those in which the file holds the equations.
+    presets : sequence of mapping
+        What can be chosen in it besides, as :func:`~remanent.page.presets.presets` has it: each
+        with its equations, without results of the engine.
 
     Returns
     -------
@@ -60,8 +64,9 @@ def saved_page(
     RemanentError
         The package plotly is not installed.
     """
-    address = f"/fields/{model.id}.js"
-    script = _script(joined_modules(module_sources(), _ENTRY, {address: model.field_source}))
+    others = [page_model_of_spec(preset["spec"]) for preset in presets]
+    fields = {_address(one): one.field_source for one in (model, *others)}
+    script = _script(joined_modules(module_sources(), _ENTRY, fields))
     library = _script(plotly_script().read_text(encoding="utf-8"))
     text = (assets_folder() / "index.html").read_text(encoding="utf-8")
     styles = "\n".join(_file(path) for path in _STYLE.findall(text))
@@ -71,8 +76,11 @@ def saved_page(
     title = f"<title>{html.escape(model.description['title'])}</title>"
     head = f"{_policy([library, script], [styles, ''])}\n{title}\n<style>{styles}</style>"
     text = _TITLE.sub(lambda _: head, text, count=1)
+    start = _start(model, results, languages) | {
+        "presets": [_preset(*pair) for pair in zip(presets, others, strict=True)]
+    }
     tail = (
-        f'<script type="application/json" id="start">{_start(model, address, results, languages)}'
+        f'<script type="application/json" id="start">{data_text(start)}'
         f'</script>\n<script>{library}</script>\n<script type="module">{script}</script>\n'
     )
     before, end, after = text.rpartition("</body>")
@@ -82,22 +90,37 @@ def saved_page(
     return f"{before}{tail}{end}{after}"
 
 
+def _address(model: PageModel) -> str:
+    """Under which its equations are asked for, as in the page of the server."""
+    return f"/fields/{model.id}.js"
+
+
 def _start(
-    model: PageModel, address: str, results: Mapping[str, Any] | None, languages: Sequence[str]
-) -> str:
-    """What the page begins with, as text that ends no script."""
+    model: PageModel, results: Mapping[str, Any] | None, languages: Sequence[str]
+) -> dict[str, Any]:
+    """What the page begins with."""
     system, drive, _ = read_spec(model.spec)
-    start: dict[str, Any] = {
+    return {
         "version": _version(),
         "model": model.description,
-        "field": address,
+        "field": _address(model),
         "results": dict(results or {}),
         "reproduction": reproduction(model.spec),
         "exports": {one: export(system, drive, one) for one in languages},
-        "presets": [],
         "store": None,
     }
-    return data_text(start)
+
+
+def _preset(preset: Mapping[str, Any], model: PageModel) -> dict[str, Any]:
+    """A preset with all that the page needs to show it."""
+    length = {name: preset["view"].get(name) for name in ("periods", "duration")}
+    return {
+        **preset,
+        "spec": model.spec,
+        "model": model.description,
+        "field": _address(model),
+        "reproduction": reproduction(model.spec, **length),
+    }
 
 
 def data_text(data: object) -> str:

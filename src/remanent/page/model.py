@@ -20,6 +20,7 @@ from remanent.models.parts import Part
 from remanent.models.system import System
 from remanent.page.described import described, described_number
 from remanent.page.limits import limits_program
+from remanent.page.plausible import bounds_of
 from remanent.page.spec import Spec, read_spec, write_spec
 from remanent.studies.ensemble.checks import DriveArgument, require_drive, require_system
 from remanent.studies.ensemble.ensemble import Ensemble
@@ -175,6 +176,7 @@ def _described_state(variable: StateVariable, system: System) -> dict[str, Any]:
         "rest": variable.rest,
         "positive": variable.positive,
         "belongs_to": variable.belongs_to,
+        "bounds": bounds_of(variable.name, system).plain,
     }
 
 
@@ -192,6 +194,7 @@ def _described_parameters(
         entry = described_number(name, values[name], rule, own, owner)
         entry["group"] = "drive" if of_drive else _group_of(system, name)
         entry["fixed"] = reasons.get(name)
+        entry["bounds"] = bounds_of(name, system).plain
         parameters.append(entry)
     return parameters
 

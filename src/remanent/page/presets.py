@@ -88,7 +88,7 @@ def _responses() -> Iterator[dict[str, Any]]:
             "on T and on S.",
             {"actuator": _block(prestress), "drive": _squared(omega)},
             ["response", "history"],
-            periods=40,
+            periods=500,
         )
 
 
@@ -143,7 +143,7 @@ def _beyond() -> Iterator[dict[str, Any]]:
             "initial": {"stretch_1": 1.001},
         },
         ["history", "phase"],
-        periods=60,
+        periods=1000,
     )
     yield _preset(
         "viscoelastic",

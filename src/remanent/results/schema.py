@@ -244,15 +244,16 @@ def _describe_numbered(name: str) -> Description | None:
         row = DESCRIPTIONS[entry[1]]
         return replace(
             row, name=name, long_name=f"{row.long_name} ({entry[2]})",
-            symbol=f"{row.symbol}_{{{entry[2]}}}",
+            symbol=f"{row.symbol.removesuffix('_i')}_{{{entry[2]}}}",
         )  # fmt: skip
     match = re.fullmatch(r"(\w+)\.(\d+)\.(\w+)", name)
     if match is None or f"{match[1]}.{match[3]}" not in DESCRIPTIONS:
         return None
     row = DESCRIPTIONS[f"{match[1]}.{match[3]}"]
-    index = f"^{{({match[2]})}}" if row.dims and "_" in row.symbol else f"_{{{match[2]}}}"
-    symbol = row.symbol if "_" in row.symbol and not row.dims else row.symbol + index
-    return replace(row, name=name, long_name=f"{row.long_name} ({match[2]})", symbol=symbol)
+    index = f"^{{({match[2]})}}" if "_" in row.symbol else f"_{{{match[2]}}}"
+    return replace(
+        row, name=name, long_name=f"{row.long_name} ({match[2]})", symbol=row.symbol + index
+    )
 
 
 def _describe_error(name: str) -> Description | None:
@@ -275,7 +276,9 @@ def _describe_own_part(name: str) -> Description | None:
     if not rest or part not in {"material", "dissipation", "heat", "magnet", "initial", "drive"}:
         return None
     words = name.replace(".", " ").replace("_", " ")
-    return Description(name, "1", words, rf"\mathrm{{{rest[-1].replace('_', ' ')}}}")
+    last = [one for one in (part, *rest) if not one.isdigit()][-1]
+    index = f"_{{{rest[-1]}}}" if rest[-1].isdigit() else ""
+    return Description(name, "1", words, rf"\mathrm{{{last.replace('_', ' ')}}}{index}")
 
 
 #: Rows of which a user gives the unit, and no name.

@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Annotated, Any, Final
+from typing import Annotated, Any, Final, TypeVar
 
 import numpy as np
 import xarray as xr
@@ -24,7 +24,8 @@ from remanent.studies.sweep.faults import Fault, FaultsError
 from remanent.studies.sweep.tables import Table, read_table
 from remanent.web import views
 from remanent.web.costs import run_seconds
-from remanent.web.errors import over_budget_refusal
+from remanent.web.errors import RefusalError, over_budget_refusal
+from remanent.web.frequencies import frequency_range
 from remanent.web.limits import JOB_LIMITS
 from remanent.web.subjects import Subject, initial_state
 
@@ -49,8 +50,10 @@ _Range = Annotated[list[_Number], Field(min_length=2, max_length=2)]
 class FrequencyResponseOptions(Table):
     """Of a frequency response."""
 
-    range: _Range = Field(
-        [0.5, 2.0], description="It is the lowest and the highest omega.", examples=["[0.5, 2.0]"]
+    range: _Range | None = Field(
+        None,
+        description="It is the lowest and the highest omega; without it resonances are inside.",
+        examples=["[0.5, 2.0]"],
     )
     count: Annotated[int, Field(ge=2, le=_MOST_POINTS)] = 400
     duration: Annotated[float, Field(gt=0, allow_inf_nan=False)] = 100.0
@@ -61,7 +64,11 @@ class FrequencyResponseOptions(Table):
 class ResponseDiagramOptions(Table):
     """Of branches of forced response."""
 
-    range: _Range = Field([0.5, 2.0], description="It is the lowest and the highest omega.")
+    range: _Range | None = Field(
+        None,
+        description="It is the lowest and the highest omega; without it resonances are inside.",
+        examples=["[0.5, 2.0]"],
+    )
     orbit_period: Annotated[int, Field(ge=1, le=4)] = 1
     state_box: dict[str, _Range] | None = None
     max_points: Annotated[int, Field(ge=10, le=_MOST_POINTS)] = _MOST_POINTS
@@ -94,6 +101,9 @@ class EquilibriaOptions(Table):
 
     load: float | dict[str, float] = 0.0
     state_box: dict[str, _Range] | None = None
+
+
+_OverFrequencies = TypeVar("_OverFrequencies", FrequencyResponseOptions, ResponseDiagramOptions)
 
 
 @dataclass(frozen=True)
@@ -141,6 +151,8 @@ def job_result(
         asked = read_table(job.options, options, "options")
     except FaultsError as error:
         raise FaultsError(fault.below("options") for fault in error.faults) from None
+    if isinstance(asked, FrequencyResponseOptions | ResponseDiagramOptions):
+        asked = _with_range(subject, asked)
     seconds = job.seconds(subject, asked)
     limit = JOB_LIMITS[name]
     if not seconds <= limit.seconds:
@@ -148,6 +160,16 @@ def job_result(
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", InputWarning)
         return job.compute(subject, asked, report)
+
+
+def _with_range(subject: Subject, options: _OverFrequencies) -> _OverFrequencies:
+    """Options with a range of frequencies; one that nobody chose has the resonances inside."""
+    if options.range is None:
+        if "omega" not in subject.drive.parameter_values():
+            raise RefusalError(422, "A response needs a load with a frequency, `omega`.")
+        low, high = frequency_range(subject.system, subject.drive)
+        return options.model_copy(update={"range": [low, high]})
+    return options
 
 
 # What each takes ---------------------------------------------------------------------------
@@ -293,7 +315,8 @@ def _grid(
     return {name: np.linspace(*pair, count) for name, pair in ends.items()}, (x, y)
 
 
-def _increasing(pair: list[float], *place: str) -> tuple[float, float]:
+def _increasing(pair: list[float] | None, *place: str) -> tuple[float, float]:
+    assert pair is not None
     low, high = pair
     if not low < high or not math.isfinite(high - low):
         raise FaultsError([

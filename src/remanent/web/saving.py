@@ -25,8 +25,6 @@ from remanent.web.subjects import Subject, initial_state, read_subject
 StageFunction: TypeAlias = Callable[[str, float], None]
 #: Cells along one side of the charts of a saved page.
 _CELLS: Final = 32
-#: Frequencies of responses, where that of the load is among them.
-_USUAL_RANGE: Final = (0.5, 2.0)
 #: Range of a state variable of which nothing is known.
 _UNKNOWN_RANGE: Final = (0.5, 1.5)
 #: The least value of a positive variable, as a share of the least that the motion has.
@@ -64,7 +62,8 @@ def save_page(opened: Opened, path: Path, report: StageFunction) -> Path:
         raise RemanentError(f"{path} cannot be written: its folder is not there.")
     subject = read_subject(opened.spec if opened.spec is not None else presets()[0]["spec"])
     model = page_model(subject.system, subject.drive, subject.initial)
-    text = saved_page(model, results_of(subject, model.description["state"], report))
+    results = results_of(subject, model.description["state"], report)
+    text = saved_page(model, results, presets=presets())
     try:
         with atomic_replacement(path) as file:
             file.write_text(text, encoding="utf-8")
@@ -120,12 +119,10 @@ class _PartOfWhole:
 def _options(subject: Subject, states: Sequence[Mapping[str, Any]]) -> dict[str, dict[str, Any]]:
     """Options of the jobs, as the page of the server chooses them."""
     drive = subject.drive.parameter_values()
-    omega = drive.get("omega", 1.0)
-    around_omega = list(_USUAL_RANGE) if _is_usual(omega) else [0.5 * omega, 2.0 * omega]
     strength = next((name for name in ("b", "m") if drive.get(name)), None)
     options: dict[str, dict[str, Any]] = {
-        "frequency_response": {"range": around_omega, "sweeps": True},
-        "response_diagram": {"range": around_omega},
+        "frequency_response": {"sweeps": True},
+        "response_diagram": {},
         "classify": {"periods": 500},
         "equilibria": {},
     }
@@ -135,11 +132,6 @@ def _options(subject: Subject, states: Sequence[Mapping[str, Any]]) -> dict[str,
         axes = {name: _around(drive[name]) for name in ("omega", strength)}
         options["regime_chart"] = {"grid": axes, "count": _CELLS}
     return options
-
-
-def _is_usual(omega: float) -> bool:
-    low, high = _USUAL_RANGE
-    return low < omega < high
 
 
 def _around(value: float) -> list[float]:

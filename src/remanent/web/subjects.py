@@ -12,6 +12,7 @@ import numpy as np
 from remanent._typing import FloatArray
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
+from remanent.page.plausible import faults_of_size
 from remanent.page.spec import read_spec
 from remanent.studies.ensemble.layout import lay_out_ensemble
 from remanent.studies.sweep.faults import Fault, FaultsError, shown
@@ -52,6 +53,9 @@ def read_subject(spec: object) -> Subject:
         if faults:
             raise FaultsError(faults)
     system, drive, initial = read_spec(spec)
+    faults = faults_of_size(system, drive, initial)
+    if faults:
+        raise FaultsError(faults)
     return Subject(system, drive, initial)
 
 

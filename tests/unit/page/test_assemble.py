@@ -14,7 +14,8 @@ import pytest
 import remanent as rm
 from remanent.page import assemble
 from remanent.page.assemble import data_text, saved_page
-from remanent.page.model import page_model
+from remanent.page.model import page_model, page_model_of_spec
+from remanent.page.presets import presets
 
 HOSTILE = '</script><script>alert(1)</script><!-- <script> \u2028 &amp; "'
 
@@ -122,3 +123,22 @@ def test_a_script_that_would_end_early_is_refused(monkeypatch: pytest.MonkeyPatc
     model = page_model(rm.Actuator(), rm.Constant(0.1))
     with pytest.raises(rm.RemanentError, match="end of a script"):
         saved_page(model)
+
+
+def test_presets_come_with_their_equations() -> None:
+    """Law: what can be chosen in the file is in it, with what makes it again; results are not."""
+    model = page_model(rm.Actuator(), rm.SineSquared(0.4, 1.25))
+    chosen = [one for one in presets() if one["id"] in ("two-wells", "figure-2a")]
+    page = Parts()
+    page.feed(saved_page(model, presets=chosen, languages=()))
+    (data, (_, script)) = (page.scripts[0][1], page.scripts[-1])
+    start = json.loads(data)
+    assert [one["id"] for one in start["presets"]] == [one["id"] for one in chosen]
+    for one, preset in zip(start["presets"], chosen, strict=True):
+        other = page_model_of_spec(preset["spec"])
+        assert one["model"] == json.loads(json.dumps(other.description))
+        assert one["spec"] == one["model"]["spec"]
+        assert one["field"] == f"/fields/{other.id}.js"
+        assert one["field"] in script
+        assert "simulate" in one["reproduction"]["python"]
+    assert start["results"] == {}

@@ -15,6 +15,7 @@ from remanent.report.settings import (
     REFERENCE_SETTING,
     TEMPERATURES,
 )
+from remanent.web.subjects import initial_state, read_subject
 
 PRESETS = {one["id"]: one for one in presets()}
 
@@ -64,3 +65,18 @@ def test_presets_are_what_they_are_called(name: str, regime: str) -> None:
 
     system, drive, _ = read_spec(spec)
     assert str(rm.classify(system, drive, periods=500)["regime"].item()) == regime
+
+
+PERIODIC = [name for name, one in PRESETS.items() if "periods" in one["view"]]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", PERIODIC)
+def test_presets_begin_with_a_regime(name: str) -> None:
+    """Law: the run that a preset begins with is long enough to tell its regime."""
+    subject = read_subject(PRESETS[name]["spec"])
+    regime = rm.classify(
+        subject.system, subject.drive, initial=initial_state(subject),
+        periods=PRESETS[name]["view"]["periods"],
+    )  # fmt: skip
+    assert str(regime["regime"].item()) in ("periodic", "quasi-periodic", "chaotic")

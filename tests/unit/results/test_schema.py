@@ -100,6 +100,9 @@ def test_dotted_names_are_described(name: str, units: str) -> None:
 def test_numbered_parts_have_different_symbols() -> None:
     """Two dashpots are told apart by their number."""
     assert describe("dissipation.0.eta").symbol != describe("dissipation.1.eta").symbol
+    assert describe("dissipation.0.modulus").symbol != describe("dissipation.1.modulus").symbol
+    assert describe("loads.0").symbol == "m_{0}"
+    assert describe("material.moduli.1").symbol == r"\mathrm{moduli}_{1}"
 
 
 @pytest.mark.parametrize("name", ["strech", "stretch_errors", "nonsense.eta", ""])

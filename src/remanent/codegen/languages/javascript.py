@@ -4,25 +4,11 @@ from __future__ import annotations
 
 from remanent.codegen.languages import lines
 from remanent.codegen.languages.computation import Computation
+from remanent.codegen.languages.javascript_pieces import PIECE_AT
 from remanent.codegen.languages.table import LANGUAGES
 from remanent.codegen.languages.written import WrittenEquations
 
 _LANGUAGE = LANGUAGES["javascript"]
-#: The piece that holds a time, by bisection.
-_PIECE_AT = """
-function pieceAt(t) {
-  let low = 0;
-  let high = pieces.length - 1;
-  while (low < high) {
-    const middle = (low + high + 1) >> 1;
-    if (pieces[middle][0] <= t) {
-      low = middle;
-    } else {
-      high = middle - 1;
-    }
-  }
-  return pieces[low];
-}"""
 
 
 def javascript_files(equations: WrittenEquations) -> dict[str, str]:
@@ -60,7 +46,7 @@ def _pieces(equations: WrittenEquations) -> list[str]:
     if not equations.pieces:
         return []
     rows = lines.number_rows(equations.pieces, _LANGUAGE, "  [{}],")
-    return ["const pieces = [", *rows, "];", *_PIECE_AT.split("\n")]
+    return ["const pieces = [", *rows, "];", "", *PIECE_AT.split("\n")]
 
 
 def _body(
@@ -75,5 +61,5 @@ def _body(
         for k, identifier in lines.needed_state(equations, computation, identifiers)
     ]
     if equations.needs_pieces(computation):
-        given.append("const row = pieceAt(t);")
+        given.append("const row = pieces[pieceAt(t)];")
     return lines.indented([*given, *lines.assignment_lines(computation, _LANGUAGE, identifiers)], 2)

@@ -14,6 +14,7 @@ from remanent.codegen.formula_program import joined_program
 from remanent.codegen.languages import lines
 from remanent.codegen.languages.computation import computation_of
 from remanent.codegen.languages.expressions import Expression, expression_text
+from remanent.codegen.languages.javascript_pieces import PIECE_AT
 from remanent.codegen.languages.stages import StagedProgram, staged_program
 from remanent.codegen.languages.table import LANGUAGES
 from remanent.codegen.languages.written import (
@@ -33,21 +34,6 @@ _ID_LENGTH: Final = 24
 _COMMON: Final = """
 const q = new Float64Array(constant_count);
 const w = new Float64Array(driven_count);
-
-/** The number of the piece that holds a time; 0 where the load has a period, or none. */
-export function pieceAt(t) {
-  let low = 0;
-  let high = pieces.length - 1;
-  while (low < high) {
-    const middle = (low + high + 1) >> 1;
-    if (pieces[middle][0] <= t) {
-      low = middle;
-    } else {
-      high = middle - 1;
-    }
-  }
-  return Math.max(low, 0);
-}
 
 function prepare(t, p) {
   constants(p, q);
@@ -145,6 +131,8 @@ def javascript_field(
         *_function("motion(y, i, q, w, k, out, j)", _moving_body(staged, "motion", names)),
         *_function("observed(y, i, q, w, k, out, j)", _moving_body(staged, "observed", names)),
         *_function("inside(y, i, q)", _inside_body(staged, field, names)),
+        "",
+        *PIECE_AT.split("\n"),
         *_COMMON.split("\n"),
     ]
     body = lines.file_text(text)

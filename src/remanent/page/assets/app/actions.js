@@ -87,11 +87,7 @@ function addLooks(app) {
     app.bar.show();
     remember(app);
   };
-  app.retry = async () => {
-    if (await isServerThere()) {
-      app.background?.again();
-    }
-  };
+  app.retry = isServerThere;
 }
 
 function addRegime(app) {

@@ -5,7 +5,7 @@ import { card, keyEntry, putText, showKey } from "./card.js";
 import { button, drawing, menu } from "./dom.js";
 import { numberText } from "./numbers.js";
 import { colours, onTheme } from "./theme.js";
-import { conversion } from "./units.js";
+import { timeText } from "./units.js";
 
 const SPEEDS = [["0.25", "¼"], ["1", "1"], ["4", "4"], ["16", "16"]];
 
@@ -102,9 +102,8 @@ function blockScene(scene, instant, angles) {
 function caption(scene, instant) {
   const { factors } = scene;
   const [l1, l2] = stretchesOf(scene, instant.y);
-  const time = conversion("time", factors);
   const fixed = (x) => x.toFixed(3);
-  const shown = [`${time.unit ? "t" : "τ"} = ${numberText(time.to(instant.t), 4)}${time.unit ? ` ${time.unit}` : ""}`];
+  const shown = [timeText(instant.t, factors)];
   shown.push(scene.description.coordinates === 2 ? `λ₁ = ${fixed(l1)}, λ₂ = ${fixed(l2)}` : `λ = ${fixed(l1)}`);
   shown.push(`λ₃ = ${fixed(1 / (l1 * l2))}`);
   if (factors?.lengths) {

@@ -25,7 +25,8 @@ export function backgroundWork(app, { response, regime }) {
       regime.unavailable("Regimes are told of motions under a load with a period.");
     }
     if (response.isWanted(scene)) {
-      if (done.response !== keys.response && (await response.request(spec)) && mine === turn) {
+      const isKnown = done.response === keys.response && response.covers();
+      if (!isKnown && (await response.request(spec)) && mine === turn) {
         done.response = keys.response;
       }
     } else {

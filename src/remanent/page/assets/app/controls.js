@@ -2,6 +2,7 @@
 
 import { button, element, menu, refill } from "./dom.js";
 import { numberControl } from "./number_control.js";
+import { partTable } from "./part_table.js";
 import { LENGTH_LIMITS, startLimits } from "./state.js";
 import { kindMenus } from "./structure.js";
 import { conversion } from "./units.js";
@@ -19,7 +20,7 @@ const FIRST = ["temperature", "reference_temperature", "prestress", "prestress_1
 const RUNS = {
   periods: { name: "periods", symbol: "N", text: "drive periods", unit: "1", min: 10, max: 2000, scale: "log",
     rule: "It must be a whole number from 1 to 5000.", limits: LENGTH_LIMITS.periods },
-  duration: { name: "duration", symbol: "\\tau_w", text: "duration", unit: "1", min: 5, max: 2000, scale: "log",
+  duration: { name: "duration", symbol: "\\tau_{\\mathrm{end}}", text: "duration", unit: "1", min: 5, max: 2000, scale: "log",
     rule: "It must be greater than 0 and at most 20 000.", limits: LENGTH_LIMITS.duration },
 };
 
@@ -60,7 +61,8 @@ function section(app, group, factors, shown) {
     .filter((one) => one.group === group.id)
     .sort((a, b) => rank(a.name) - rank(b.name));
   const menus = kindMenus(app, group.id);
-  if (!parameters.length && !menus) {
+  const table = ["drive", "material"].includes(group.id) ? partTable(app, group.id, factors) : null;
+  if (!parameters.length && !menus && !table) {
     return null;
   }
   const controls = parameters.map((parameter) => {
@@ -73,7 +75,7 @@ function section(app, group, factors, shown) {
   const title = group.id === "drive" && description.kind !== "Actuator" ? "Load" : group.title;
   return element(
     "fieldset", { class: "group", "data-group": group.id },
-    element("legend", { text: title }), menus, ...controls,
+    element("legend", { text: title }), menus, ...controls, table,
   );
 }
 
@@ -87,7 +89,7 @@ function startSection(app, factors, shown) {
   const controls = description.state.map((one, k) => {
     const span = rangeOfStart(one, initial[k]);
     const parameter = {
-      ...one, ...span, scale: "linear", limits: startLimits(one),
+      ...one, ...span, symbol: `${one.symbol}(0)`, scale: "linear", limits: startLimits(one),
       rule: one.positive ? "It must be a finite number greater than 0." : "It must be a finite number.",
     };
     const control = numberControl(parameter, {

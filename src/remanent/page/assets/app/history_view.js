@@ -1,18 +1,18 @@
 // The history: the observed quantity, the energy, and the error of both, against time.
 
+import { messageOf } from "../engine/messages.js";
 import { card, keyEntry, putText, segments, showKey } from "./card.js";
 import { determinedCount, firstAfter, observableError, refined } from "./curves.js";
 import { errorText, numberText } from "./numbers.js";
 import { createPlot } from "./plot.js";
+import { VISIBLE_ERROR } from "./scene.js";
 import { symbolText } from "./symbols.js";
 import { colours } from "./theme.js";
 import { placeTip } from "./tip.js";
-import { SI_TIME, TIME, conversion, converted, titleOf } from "./units.js";
+import { TIME, conversion, converted, timeText, titleOf } from "./units.js";
 
 /** Time that is shown at first, in units of tau. */
 const SHOWN_TIME = 100;
-/** Share of a variable from which an error can be seen beside the curve. */
-const VISIBLE_ERROR = 1e-3;
 
 /**
  * The view of the history.
@@ -43,7 +43,7 @@ export function historyView(app) {
     seen = { ...scene, span, ...layersOf(scene, span, plot.zoom.x) };
     plot.show(seen.content);
     showKey(view.key, seen.key);
-    putText(view.note, scene.motion.message ?? "");
+    putText(view.note, messageOf(scene.motion, (t) => timeText(t, scene.factors)));
   };
   return {
     node: view.node, plot, draw,
@@ -87,7 +87,7 @@ function layersOf(scene, span, zoom) {
   return {
     curve, t, y,
     content: {
-      x: { title: titleOf(time.unit ? SI_TIME : TIME, factors), range: [time.to(low), time.to(high)] },
+      x: { title: titleOf(TIME, factors), range: [time.to(low), time.to(high)] },
       panels: [
         { title: titleOf(description.observables[watched], factors), layers: [
           ...unknown,
@@ -142,12 +142,11 @@ function words(seen, place) {
   }
   const k = nearest(seen, place.x);
   const { description, watched, motion, factors } = seen;
-  const unit = conversion("time", factors).unit;
   const row = Math.min(motion.t.length - 1, firstAfter(motion.t, seen.curve.t[k]));
   const { to } = conversion(description.observables[watched].name, factors);
   const error = Math.abs(to(observableError(seen, row, watched)) - to(0));
   const symbol = symbolText(description.observables[watched].symbol);
-  return `${unit ? "t" : "τ"} = ${numberText(seen.t[k], 5)}${unit ? ` ${unit}` : ""}, ${symbol} = ${numberText(seen.y[k], 6)} ± ${errorText(error)}`;
+  return `${timeText(seen.curve.t[k], factors, 5)}, ${symbol} = ${numberText(seen.y[k], 6)} ± ${errorText(error)}`;
 }
 
 function tell(plot, seen, place) {

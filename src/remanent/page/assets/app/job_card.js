@@ -1,6 +1,6 @@
 // A view whose result the server computes: what it is doing, how far it is, and how to stop it.
 
-import { Refused, ServerGone } from "./api.js";
+import { Refused, ServerGone, onConnection } from "./api.js";
 import { card } from "./card.js";
 import { button, element } from "./dom.js";
 import { startJob } from "./jobs.js";
@@ -8,7 +8,8 @@ import { startJob } from "./jobs.js";
 /**
  * A view with a line that says how its work is going.
  * @param {Object} app
- * @param {Object} options of `card`, with `job`
+ * @param {Object} options of `card`, with `job`, and `again`: what to do when the server has come
+ *   back after it was gone before there was a result
  * @returns {Object} the card, with `run`, `cancel`, `say`, `running`
  */
 export function jobCard(app, options) {
@@ -19,6 +20,14 @@ export function jobCard(app, options) {
   const line = element("div", { class: "job-line", hidden: true }, bar, words, stop);
   view.node.append(line);
   let current = null;
+  let isLost = false;
+  onConnection((isThere) => {
+    if (isThere && isLost) {
+      isLost = false;
+      say("");
+      options.again?.();
+    }
+  });
 
   const say = (text, isBad = false) => {
     view.note.textContent = text;
@@ -29,6 +38,7 @@ export function jobCard(app, options) {
   /** Run the job; the result, or null where it was cancelled, replaced or refused. */
   const run = async (spec, jobOptions) => {
     current?.cancel();
+    isLost = false;
     words.textContent = "computing …";
     const job = startJob(options.job, spec, jobOptions, (share, text) => {
       if (Number.isFinite(share)) {
@@ -44,6 +54,7 @@ export function jobCard(app, options) {
       return await job.result;
     } catch (error) {
       if (current === job) {
+        isLost = error instanceof ServerGone;
         explain(error, say);
       }
       return null;

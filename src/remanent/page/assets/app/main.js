@@ -1,6 +1,6 @@
 // The page: what it starts with, what it shows, and how its parts come together.
 
-import { ask, onConnection } from "./api.js";
+import { ask, isServerThere, onConnection } from "./api.js";
 import { addActions } from "./actions.js";
 import { actuatorView } from "./actuator_view.js";
 import { backgroundWork } from "./background.js";
@@ -24,6 +24,9 @@ import { takeAwayDialog } from "./take_away.js";
 import { startTheme } from "./theme.js";
 import { foldingPanel, toolBar } from "./tool_bar.js";
 
+/** Milliseconds between two questions to a server that has gone. */
+const ASK_AGAIN_MS = 4000;
+
 /** What the page starts with: from the file itself where it was saved, else from the server. */
 async function startingData() {
   const embedded = byId("start");
@@ -36,8 +39,8 @@ async function run() {
   const start = await startingData();
   const field = await import(start.field);
   const app = {
-    start, saved: Boolean(start.saved), kinds: start.kinds, presets: start.saved ? [] : start.presets,
-    store: createStore(initialState(start.model, field, { isStart: true })),
+    start, saved: Boolean(start.saved), kinds: start.kinds, presets: start.presets,
+    store: createStore(initialState(start.model, field, { isStart: !start.saved })),
   };
   addActions(app);
   addModels(app);
@@ -45,9 +48,6 @@ async function run() {
   addPictures(app);
   byId("loading").remove();
   await showFirst(app);
-  if (app.saved) {
-    showSavedResults(app);
-  }
   document.documentElement.dataset.ready = "true";
 }
 
@@ -63,11 +63,16 @@ function addParts(app) {
     instant: (now) => app.views.live.forEach((view) => view.mark?.(now)),
     state: (on) => app.views.actuator.playing(on),
   });
+  byId("saved").hidden = !app.saved;
   app.views.actuator.playing(app.clock.isOn());
+  let asking = null;
   onConnection((isThere) => {
     app.status.server(isThere);
+    clearInterval(asking);
     if (isThere) {
       app.background?.again();
+    } else {
+      asking = setInterval(isServerThere, ASK_AGAIN_MS);
     }
   });
 }
@@ -93,14 +98,6 @@ function makeViews(app) {
   views.maps = [views.basins, views.regime_chart];
   views.live = [views.history, views.phase, views.potential, views.actuator, views.response, views.regime, ...views.maps];
   return views;
-}
-
-/** What the server would compute, as it was when the page was saved. */
-function showSavedResults(app) {
-  const { response, regime, maps } = app.views;
-  [response, regime, ...maps].forEach((view) => view.showSaved(app.start.results));
-  app.relabel();
-  byId("saved").hidden = false;
 }
 
 run().catch((error) => {

@@ -56,15 +56,16 @@ export function regimeChartView(app) {
 }
 
 function mapView(app, { id, title, job, empty, grid, here, cell, pick, further = () => "" }) {
-  const view = jobCard(app, { id, title, job, save: () => app.save(id) });
+  const view = jobCard(app, { id, title, job, save: () => app.save(id), again: () => ask() });
   const count = menu(COUNTS.map(([value, text]) => ({ value, text })), "32", () => {}, { "aria-label": `cells of the chart: ${title}` });
   const seen = { result: null, scene: null, figure: null };
-  const compute = button("Compute", async () => {
+  const ask = async () => {
     const result = await view.run(app.currentSpec(), { grid: grid(seen.scene), count: Number(count.value) });
     if (result) {
       show(result);
     }
-  }, { "aria-label": `compute: ${title}` });
+  };
+  const compute = button("Compute", ask, { "aria-label": `compute: ${title}` });
   const intro = element("div", { class: "card-empty" }, element("p", { text: empty }));
   const host = element("div", { class: "plotly-host", hidden: true });
   view.body.append(intro, host);
@@ -106,15 +107,19 @@ function mapView(app, { id, title, job, empty, grid, here, cell, pick, further =
         host.hidden = true;
         intro.hidden = false;
         showKey(view.key, []);
+      }
+      if (structureChanged) {
         view.say("");
       } else if (seen.result) {
         view.say(`For parameters before the last change. ${noteOf(seen.result)}`);
       }
     },
     showSaved: (results) => {
+      seen.result = null;
       if (results[job]) {
         show(results[job], "As computed when this page was saved. ");
       }
+      view.node.hidden = !seen.result;
     },
     figure: () => ({ plotly: seen.figure, name: id, title }),
   };

@@ -7,14 +7,16 @@ import { byId } from "./dom.js";
 import { initialState, viewOf, withAddress } from "./state.js";
 
 /**
- * Add to the page what shows another model: `chooseSpec`, `chooseToml`, `choosePreset`.
+ * Add to the page what shows another model: `chooseSpec`, `trySpec`, `chooseToml`, `choosePreset`;
+ * `trySpec` leaves it to the one who calls to tell what is wrong with a spec.
  * @param {Object} app
  */
 export function addModels(app) {
-  app.chooseSpec = (spec) => told(app, async () => {
+  app.trySpec = (spec) => {
     const { periods, duration, defaults } = app.store.get();
-    await adopt(app, { spec }, { periods, duration, defaults });
-  });
+    return adopt(app, { spec }, { periods, duration, defaults });
+  };
+  app.chooseSpec = (spec) => told(app, () => app.trySpec(spec));
   app.chooseToml = (toml) => adopt(app, { toml }, {});
   app.choosePreset = (id) => told(app, async () => {
     const preset = presetOf(app, id);
@@ -61,10 +63,42 @@ function showBanner(words) {
 
 let lastQuestion = 0;
 
-/** Ask the server for a model and show it, unless something else was asked for meanwhile. */
+/** A model that was asked for: of the server, or of the file itself where the page was saved. */
+async function modelFor(app, question) {
+  if (!app.saved) {
+    return send("/api/model", question);
+  }
+  const found = savedModels(app).find(({ model }) => isEqual(model.spec, question.spec));
+  if (!found) {
+    throw new Error("This page was saved with other equations. Open the address with “remanent explore”.");
+  }
+  return found;
+}
+
+/** Every model that a saved page holds: what it was saved with, and its presets. */
+function savedModels({ start, presets }) {
+  return [start, ...presets];
+}
+
+function isEqual(one, other) {
+  return JSON.stringify(one) === JSON.stringify(other);
+}
+
+/**
+ * What a saved page holds of the model that it shows: `results`, `reproduction`, `exports`.
+ * @param {Object} app
+ * @returns {Object}
+ */
+export function heldOf(app) {
+  const { id, spec } = app.store.get().description;
+  const same = savedModels(app).filter(({ model }) => model.id === id);
+  return same.find(({ model }) => isEqual(model.spec, spec)) ?? same[0] ?? {};
+}
+
+/** Ask for a model and show it, unless something else was asked for meanwhile. */
 async function adopt(app, question, given) {
   const mine = (lastQuestion += 1);
-  const { model, field } = await send("/api/model", question);
+  const { model, field } = await modelFor(app, question);
   const module = await import(field);
   if (mine !== lastQuestion) {
     return;
@@ -89,8 +123,25 @@ function present(app, state, words = []) {
     app.background?.forget();
     app.tellRegime("");
   }
+  if (app.saved) {
+    showSavedResults(app);
+  }
   app.changed();
   showBanner([...words, ...state.description.warnings].join(" "));
+}
+
+const SAVED = "A saved page: curves follow the sliders; frequency response, regime, basins and chart are as they were computed when it was saved.";
+const SAVED_ELSEWHERE = "A saved page: curves follow the sliders; frequency response, regime, basins and chart are of the system that it was saved with.";
+
+/** What the server would compute, as it was when the page was saved. */
+function showSavedResults(app) {
+  const { response, regime, maps } = app.views;
+  app.drawNow();
+  const { results } = heldOf(app);
+  app.hasResults = results !== undefined;
+  byId("saved").textContent = app.hasResults ? SAVED : SAVED_ELSEWHERE;
+  [response, regime, ...maps].forEach((view) => view.showSaved(results ?? {}));
+  app.relabel();
 }
 
 /** Show what the address says. */
@@ -100,7 +151,7 @@ async function followAddress(app) {
   const mine = (lastQuestion += 1);
   const { state, refusal } = await stateOfAddress(app, said, preset);
   if (mine === lastQuestion) {
-    const isUnknown = said.preset !== null && !preset && !app.saved;
+    const isUnknown = said.preset !== null && !preset;
     const shown = withAddress(state, refusal ? { values: {}, initial: {}, view: said.view } : said);
     const words = said.broken || isUnknown || (shown.isBroken && !refusal) ? [BROKEN] : [];
     present(app, shown.state, [...words, ...(refusal ? [refusal] : [])]);
@@ -118,17 +169,17 @@ async function stateOfAddress(app, said, preset) {
   if (preset && before.preset === said.preset) {
     return { state: initialState(before.description, before.field, { preset: preset.id, ...viewOf(preset) }) };
   }
-  const spec = preset?.spec ?? (app.saved ? null : said.spec);
+  const spec = preset?.spec ?? said.spec;
   if (spec) {
     try {
-      const { model, field } = await send("/api/model", { spec });
+      const { model, field } = await modelFor(app, { spec });
       return { state: initialState(model, await import(field), { preset: preset?.id ?? null, ...viewOf(preset) }) };
     } catch (error) {
       refusal = `The system of the address cannot be shown. ${error.message}`;
     }
   }
   const named = presetOf(app, app.startPreset);
-  const given = named ? { preset: named.id, ...viewOf(named) } : { isStart: true };
+  const given = named ? { preset: named.id, ...viewOf(named) } : { isStart: !app.saved };
   return { state: initialState(start.model, await import(start.field), given), refusal };
 }
 
@@ -146,16 +197,16 @@ export async function showFirst(app) {
   app.drawNow();
 }
 
-/** Where the server was asked for nothing, the page shows its first preset: say which. */
+/** Where the page shows its first preset since nothing else was asked for, say which. */
 async function nameStart(app) {
   const [first] = app.presets;
   if (!first || app.start.store) {
     return;
   }
   try {
-    const { model } = await send("/api/model", { spec: first.spec });
-    const { preset, isStart } = app.store.get();
-    if (isStart && preset === null && JSON.stringify(model.spec) === JSON.stringify(app.start.model.spec)) {
+    const { model } = await modelFor(app, { spec: first.spec });
+    const { preset, description } = app.store.get();
+    if (description === app.start.model && preset === null && isEqual(model.spec, description.spec)) {
       app.startPreset = first.id;
       app.store.update({ preset: first.id, isStart: false, defaults: viewOf(first).defaults });
       app.bar.build();

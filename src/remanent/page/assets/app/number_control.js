@@ -11,7 +11,7 @@ let count = 0;
 /**
  * A control of a number.
  * @param {Object} given a parameter of the description: `name`, `symbol`, `text`, `unit`, `min`, `max`,
- *   `scale`, `rule`, `limits`, `fixed`
+ *   `scale`, `rule`, `limits`, `fixed`, and `bounds`, beyond which numbers are hardly meant
  * @param {{value: number, usual: number, factors: ?Object, move: function(string, number): void,
  *   commit: function(string): void, slider?: boolean}} options
  *   move: called with the name and a value that keeps the rule, also while a slider moves;
@@ -99,17 +99,25 @@ function stepField(event, field, slider, accept) {
 }
 
 /** Why a typed value is refused; empty where it is not. */
-function brokenRule({ text, rule, limits }, typed, value, { to, unit }) {
+function brokenRule({ text, rule, limits, bounds }, typed, value, { to, unit }) {
   if (!Number.isFinite(value)) {
     return typed.trim() === ""
       ? `Type a number. The curves keep the last value of the ${text}.`
       : `“${typed.trim().slice(0, 30)}” is not a number. Write for example 1.25 or 3e-2.`;
   }
-  if (isWithin(limits, value)) {
+  const isAllowed = isWithin(limits, value);
+  if (isAllowed && isWithin(bounds, value)) {
     return "";
   }
   const got = `${numberText(to(value), 5)} ${unit}`.trim();
-  return `Got ${got}. ${(rule ?? "It is out of range.").replace("Pass ", "Enter ").replace("pass ", "enter ")}`;
+  const broken = isAllowed ? boundsText(bounds, { to, unit }) : rule;
+  return `Got ${got}. ${(broken ?? "It is out of range.").replace("Pass ", "Enter ").replace("pass ", "enter ")}`;
+}
+
+/** The bounds of a number in the units in force. */
+function boundsText({ least, most, rule }, { to, unit }) {
+  const ends = [least, most].map((end) => numberText(to(end), 4)).join(" and ");
+  return rule.replace(/between \S+ and \S+/, `between ${ends}${unit ? ` ${unit}` : ""}`);
 }
 
 function makeSlider({ min, max, scale }, id) {

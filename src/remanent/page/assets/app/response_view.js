@@ -9,7 +9,7 @@ import { createPlot } from "./plot.js";
 import { branchKey, branchLayers, branchNote } from "./branches.js";
 import { colours } from "./theme.js";
 import { placeTip } from "./tip.js";
-import { conversion, converted, titleOf } from "./units.js";
+import { conversion, converted, frequencyText, timeText, titleOf } from "./units.js";
 
 /** Duration over which the amplitude is taken, in units of tau. */
 const WINDOW = 100;
@@ -53,6 +53,11 @@ export function responseView(app) {
     showKey(view.key, keyOf(seen));
     plot.moveMarks(placeMarks(seen));
   };
+  /** Say something in the units in force, and again when these change. */
+  const tell = (words, isBad = false) => {
+    seen.words = isBad ? null : words;
+    view.say(words(seen.scene.factors), isBad);
+  };
   const request = async (spec) => {
     seen.stale = seen.response !== null;
     const result = await view.run(spec, { range: wantedRange(seen), count: POINTS, duration: WINDOW, sweeps: sweeps.checked });
@@ -60,7 +65,7 @@ export function responseView(app) {
       seen.response = result;
       seen.colour = seen.scene.colour;
       seen.stale = false;
-      view.say(noteOf(result, seen.scene.factors));
+      tell((factors) => noteOf(result, factors) + (coversFrequency(seen) ? "" : " The frequency of the load lies outside this range."));
     }
     show();
     if (result && branches.checked) {
@@ -69,9 +74,9 @@ export function responseView(app) {
     return result;
   };
   const requestBranches = async (spec) => {
-    const result = await diagram.run(spec, { range: wantedRange(seen) });
+    const result = await diagram.run(spec, { range: seen.response?.settings.range ?? wantedRange(seen) });
     seen.diagram = result;
-    view.say(result ? branchNote(result) : diagram.note.textContent || "No branches.", !result);
+    tell(() => (result ? branchNote(result) : diagram.note.textContent || "No branches."), !result);
     show();
   };
   branches.addEventListener("change", () => {
@@ -88,14 +93,19 @@ export function responseView(app) {
     node: view.node, plot, request,
     cancel: () => { view.cancel(); diagram.cancel(); },
     isWanted,
-    forget: () => { seen.response = seen.diagram = seen.colour = seen.range = null; seen.stale = false; view.say(""); },
+    covers: () => coversFrequency(seen),
+    forget: () => { seen.response = seen.diagram = seen.colour = seen.range = seen.words = null; seen.stale = false; view.say(""); },
     outdate: () => { seen.stale = true; seen.diagram = null; show(); },
     draw: (scene) => {
-      view.node.hidden = !isWanted(scene) && !app.saved;
+      view.node.hidden = app.saved ? !app.hasResults : !isWanted(scene);
       const stale = app.saved ? app.isChanged() : seen.stale;
       const same = seen.scene && stale === seen.stale && plot.content && seen.scene.colour === scene.colour && seen.scene.factors === scene.factors && seen.scene.description === scene.description;
+      const otherUnits = seen.scene && seen.scene.factors !== scene.factors;
       seen.scene = scene;
       seen.stale = stale;
+      if (otherUnits && seen.words) {
+        tell(seen.words);
+      }
       if (same) {
         plot.moveMarks(placeMarks(seen));
       } else {
@@ -107,7 +117,8 @@ export function responseView(app) {
       seen.response = some(results.frequency_response);
       seen.diagram = some(results.response_diagram);
       seen.colour = seen.scene.colour;
-      view.say(seen.response ? `As computed when this page was saved. ${noteOf(seen.response, seen.scene.factors)}` : results.frequency_response?.reason || "The page was saved without a frequency response.");
+      const reason = results.frequency_response?.reason || "The page was saved without a frequency response.";
+      tell((factors) => (seen.response ? `As computed when this page was saved. ${noteOf(seen.response, factors)}` : reason));
       show();
     },
     say: view.say,
@@ -116,19 +127,21 @@ export function responseView(app) {
   };
 }
 
-/** The range that was asked for, while the frequency lies in it; else the usual one. */
+/** The range that was asked for, while the frequency lies in it; else the server chooses one. */
 function wantedRange({ range, scene }) {
   const { omega } = scene.values;
-  return range && range[0] > 0 && range[0] <= omega && omega <= range[1] ? range : rangeOf(scene);
+  return range && range[0] > 0 && range[0] <= omega && omega <= range[1] ? range : undefined;
+}
+
+/** Whether the frequency of the load lies in the range of the response, if there is one. */
+function coversFrequency({ response, scene }) {
+  const [low, high] = response?.settings.range ?? [0, Infinity];
+  return low <= scene.values.omega && scene.values.omega <= high;
 }
 
 /** Whether the load has a frequency. */
 function isWanted({ description }) {
   return description.drive.periodic && description.parameters.some((one) => one.name === "omega" && one.group === "drive");
-}
-
-function rangeOf({ values }) {
-  return values.omega > 0.5 && values.omega < 2 ? [0.5, 2] : [Number((0.5 * values.omega).toPrecision(3)), Number((2 * values.omega).toPrecision(3))];
 }
 
 /** (max - min)/2 of the page's own motion over the window of the response. */
@@ -173,7 +186,7 @@ function contentOf(seen, running) {
   const y = { text: "amplitude", symbol: `${watched.symbol}^{\\mathrm{a}}`, unit: "" };
   const empty = !response && !diagram;
   return {
-    x: { title: omega ? titleOf({ ...omega, text: "drive frequency" }, factors) : { text: "drive frequency", symbol: "\\omega" }, tight: true, ...(empty ? { range: omegaRange(scene) } : {}) },
+    x: { title: omega ? titleOf({ ...omega, text: "drive frequency" }, factors) : { text: "drive frequency", symbol: "\\omega" }, tight: true, ...(empty ? { range: emptyRange(scene) } : {}) },
     panels: [{ title: y, layers, floor: 0 }],
   };
 }
@@ -184,8 +197,10 @@ function missingOf(response) {
   return rest ? rest.omega.values.filter((_, k) => rest.amplitude.values[k] === null) : [];
 }
 
-function omegaRange(scene) {
-  return rangeOf(scene).map(conversion("omega", scene.factors).to);
+/** Frequencies of the axis before there is a response. */
+function emptyRange({ values, factors }) {
+  const { to } = conversion("omega", factors);
+  return [to(0.5 * values.omega), to(2 * values.omega)];
 }
 
 function keyOf({ scene, response, diagram, stale, colour, old }) {
@@ -233,12 +248,6 @@ function words({ scene, response }, place) {
   return value === null ? `${at}: ${rest.status[k]}` : `${at}, amplitude ${numberText(value, 4)} ± ${errorText(error ?? NaN)}`;
 }
 
-/** A frequency in the units in force. */
-function frequencyText(omega, factors, digits) {
-  const { unit, to } = conversion("omega", factors);
-  return unit ? `f = ${numberText(to(omega), digits)} ${unit}` : `ω = ${numberText(omega, digits)}`;
-}
-
 function noteOf(result, factors) {
   const { resonance = {}, series, reason } = result;
   const at = resonance.resonance?.values;
@@ -257,5 +266,5 @@ function noteOf(result, factors) {
   if (missing) {
     parts.push(`${missing} of ${rest.amplitude.values.length} frequencies without a result${reason ? `: ${reason}` : ""}`);
   }
-  return `${parts.join("; ")}. Over τ from 0 to ${WINDOW}, from the start.`;
+  return `${parts.join("; ")}. From the start up to ${timeText(result.settings?.duration ?? WINDOW, factors)}.`;
 }

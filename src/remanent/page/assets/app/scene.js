@@ -5,16 +5,40 @@ import { determinedCount } from "./curves.js";
 import { extent } from "./numbers.js";
 import { colours, temperatureColour } from "./theme.js";
 
+/** Share of a variable from which an error can be seen beside the curve. */
+export const VISIBLE_ERROR = 1e-3;
+
 /**
  * Compute the motion of a state of the page.
  * @param {Object} state of the store
+ * @param {{refine?: boolean}} [options] refine: spend more steps, for a smaller error
  * @returns {Object} the scene: the motion, and what views need to draw it
  */
-export function sceneOf(state) {
+export function sceneOf(state, { refine = false } = {}) {
   const { description, field, values, initial, si } = state;
   const run = description.drive.periodic ? { periods: state.periods } : { duration: state.duration };
-  const motion = integrate(field, { parameters: values, initial, ...run });
+  const motion = integrate(field, { parameters: values, initial, refine, ...run });
   return { ...labelsOf(state), motion, field, values, description, factors: si ? description.si : null, ...measures(motion, description, field, values) };
+}
+
+/**
+ * Whether more steps may show more of a motion: it ends early, or its error can be seen.
+ * @param {Object} motion
+ * @returns {boolean}
+ */
+export function isWorthRefining({ cause, error }) {
+  return !["", "left"].includes(cause) || (cause === "" && error[error.length - 1] > VISIBLE_ERROR);
+}
+
+/**
+ * Whether one motion is known further than another, or better.
+ * @param {Object} one
+ * @param {Object} other
+ * @returns {boolean}
+ */
+export function isKnownBetter(one, other) {
+  return one.determinedUntil > other.determinedUntil
+    || (one.determinedUntil === other.determinedUntil && one.error[one.error.length - 1] < other.error[other.error.length - 1]);
 }
 
 /**

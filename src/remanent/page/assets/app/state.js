@@ -66,15 +66,15 @@ export function lengthOf({ description, periods, duration }) {
  */
 export function withAddress(state, said) {
   const { description } = state;
-  const limits = new Map(description.parameters.map((one) => [one.name, one.fixed ? null : one.limits ?? {}]));
-  const starts = new Map(description.state.map((one) => [one.name, startLimits(one)]));
+  const limits = new Map(description.parameters.map((one) => [one.name, one.fixed ? null : [one.limits, one.bounds]]));
+  const starts = new Map(description.state.map((one) => [one.name, [startLimits(one), one.bounds]]));
   const given = allowed(said.values, limits);
   const started = allowed(said.initial, starts);
   const values = { ...state.values, ...Object.fromEntries(given) };
   const start = new Map(started);
   const initial = description.state.map((one, k) => start.get(one.name) ?? startOf(description, k, values));
   const { span, units, ...lengths } = said.view;
-  const run = allowed(lengths, new Map(Object.entries(LENGTH_LIMITS)))
+  const run = allowed(lengths, new Map(Object.entries(LENGTH_LIMITS).map(([name, one]) => [name, [one]])))
     .filter(([name, value]) => name !== "periods" || Number.isInteger(value));
   const si = units === "SI" && Boolean(description.si);
   const isLookKnown = [undefined, ...SPANS].includes(span) && [undefined, "SI", "dimensionless"].includes(units);
@@ -90,5 +90,5 @@ export function withAddress(state, said) {
 
 /** The entries of a table of numbers whose names are known and whose values are within their limits. */
 function allowed(table, limits) {
-  return Object.entries(table).filter(([name, value]) => limits.get(name) && isWithin(limits.get(name), value));
+  return Object.entries(table).filter(([name, value]) => limits.get(name)?.every((one) => isWithin(one, value)));
 }

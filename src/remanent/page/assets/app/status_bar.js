@@ -2,7 +2,7 @@
 
 import { button, byId, element, refill } from "./dom.js";
 import { errorText, numberText } from "./numbers.js";
-import { conversion } from "./units.js";
+import { timeText } from "./units.js";
 
 /** Milliseconds of rest after which the line is read out. */
 const SPOKEN_AFTER_MS = 900;
@@ -66,8 +66,7 @@ function errorWords({ motion, factors, period }) {
   if (t.length < 2) {
     return ["no motion", true];
   }
-  const time = conversion("time", factors);
-  const until = (x) => `${time.unit ? "t" : "τ"} = ${numberText(time.to(x), 4)}${time.unit ? ` ${time.unit}` : ""}`;
+  const until = (x) => timeText(x, factors);
   const last = t[t.length - 1];
   if (status === "ok") {
     const periods = period > 0 ? ` (${numberText(last / period, 4)} periods)` : "";

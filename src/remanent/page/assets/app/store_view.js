@@ -1,6 +1,6 @@
 // The chart of a store: a quantity over two dimensions of its grid, or a curve over one.
 
-import { ask, send } from "./api.js";
+import { ask, onConnection, send } from "./api.js";
 import { card, showKey } from "./card.js";
 import { element, menu } from "./dom.js";
 import { categoryFigure, cellText, drawFigure, layoutOf, numberFigure, regimeCategory } from "./heat.js";
@@ -35,27 +35,38 @@ export function storeView(app, store) {
       seen.index = index;
       paint();
       await app.chooseSpec(spec);
-      app.say(`Motion of the point ${pointText(seen.chart, index)}.`, true);
+      tell(noteOf(seen.chart));
+      app.say(`Motion of the point ${pointText(seen.chart, index)}.`);
     } catch (error) {
-      view.note.textContent = error.message;
+      tell(error.message, true);
     }
+  };
+  const tell = (words, isBad = false) => {
+    view.note.textContent = words;
+    view.note.classList.toggle("bad", isBad);
   };
   const load = async () => {
     try {
       seen.chart = await ask("/api/store");
     } catch (error) {
-      view.note.textContent = error.message;
-      view.note.classList.add("bad");
+      tell(error.message, true);
       return;
     }
     const { chart } = seen;
     seen.axes = axesOf(chart);
-    seen.variable = firstVariable(chart);
+    [seen.variable] = orderedVariables(chart);
     view.tools.prepend(...tools(seen, paint));
-    view.note.textContent = noteOf(chart);
+    tell(noteOf(chart));
     paint();
   };
   onTheme(paint);
+  onConnection((isThere) => {
+    if (isThere && seen.chart) {
+      tell(noteOf(seen.chart));
+    } else if (isThere) {
+      load();
+    }
+  });
   return { node: view.node, load, figure: () => ({ plotly: seen.figure, name: "study", title: store.title }) };
 }
 
@@ -66,16 +77,23 @@ function axesOf({ dims }) {
   return [x, all.find((name) => name !== x) ?? null];
 }
 
-const LIKED = ["regime", "amplitude", "resonance", "exponent"];
+/** What a reader wants to see first; what says how well something is known comes last. */
+const LIKED = ["regime", "amplitude", "resonance", "exponent", "stability", "thickness_stretch", "stretch"];
+const LATER = /_error$|^(period|margin|horizon|tolerance|local_error|defect|digits|rotation_digits|reason)$/;
 
-function firstVariable({ variables }) {
-  const names = Object.keys(variables);
-  return LIKED.find((name) => names.includes(name)) ?? names[0];
+function rankOf(name) {
+  const place = LIKED.indexOf(name);
+  return place >= 0 ? place : LIKED.length + (LATER.test(name) ? 1 : 0);
+}
+
+/** The names of the variables, what is liked best before the rest. */
+function orderedVariables({ variables }) {
+  return Object.keys(variables).sort((a, b) => rankOf(a) - rankOf(b));
 }
 
 function tools(seen, paint) {
   const { chart } = seen;
-  const names = Object.entries(chart.variables).map(([value, { text }]) => ({ value, text: text || value }));
+  const names = orderedVariables(chart).map((value) => ({ value, text: chart.variables[value].text || value }));
   const items = [menu(names, seen.variable, (name) => { seen.variable = name; paint(); }, { "aria-label": "quantity of the chart" })];
   for (const { name, size } of chart.dims) {
     if (size > 1 && !seen.axes.includes(name)) {

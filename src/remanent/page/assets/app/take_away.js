@@ -4,6 +4,7 @@ import { send, sendForFile } from "./api.js";
 import { button, byId, element, menu, refill } from "./dom.js";
 import { download, figureFile } from "./figure_export.js";
 import { inTurn } from "./jobs.js";
+import { heldOf } from "./models.js";
 import { lengthOf } from "./state.js";
 
 const LANGUAGES = [
@@ -110,7 +111,7 @@ function textSection(app) {
   const host = element("div", {}, element("p", { class: "quiet-words", text: "asking the server …" }));
   const fill = ({ python, study }) => refill(host, textBox("motion.py", python), textBox("study.toml", study));
   if (app.saved) {
-    const given = app.start.reproduction;
+    const given = heldOf(app).reproduction;
     if (given) {
       fill(given);
     } else {
@@ -128,7 +129,7 @@ function textSection(app) {
 function equationSection(app) {
   const host = element("div");
   const words = element("p", { class: "fault", role: "alert" });
-  const files = app.start.exports ?? {};
+  const files = (app.saved && heldOf(app).exports) || {};
   const show = (given) => refill(host, ...Object.entries(given).map(([name, text]) => textBox(name, text)));
   const languages = LANGUAGES.filter(([value]) => !app.saved || value in files);
   if (!languages.length) {

@@ -44,10 +44,10 @@ function titleOf(app) {
   return app.presets.find((one) => one.id === preset)?.text ?? description.title;
 }
 
-/** An address that says all, also where the server was started with a study of its own. */
+/** An address that says all, also where the page was started with a study of its own. */
 function addressToShare(app) {
   const here = location.href.split("#")[0];
-  return app.saved ? location.href : here + writeAddress({ ...app.store.get(), isStart: false });
+  return here + writeAddress({ ...app.store.get(), isStart: false });
 }
 
 function shareButton(app) {

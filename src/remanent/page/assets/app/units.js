@@ -1,16 +1,20 @@
 // Units: from the dimensionless numbers of the model to SI and back.
 
+import { numberText } from "./numbers.js";
+
 const SAME = { unit: null, to: (x) => x, back: (x) => x };
 const KINDS = [
-  [/(^|\.)omega$/, "frequency"],
+  [/(^|\.)(omega|start|stop)$/, "frequency"],
   [/(^|\.)b$/, "rootLoad"],
-  [/(^|\.)(m|mean)$|(^|\.)loads\.\d+$|^load$/, "load"],
+  [/(^|\.)(m|mean)$|(^|\.)loads(\.\d+)?$|^load$/, "load"],
   [/^prestress(_\d)?$|\.modulus$/, "stress"],
   [/\.eta$/, "viscosity"],
-  [/(^|\.)(relaxation_time|start|stop|duration)$|(^|\.)times\.\d+$|^time$/, "time"],
-  [/_rate$/, "rate"],
+  [/(^|\.)(relaxation_time|duration)$|(^|\.)times(\.\d+)?$|^(time|drive_period|horizon)$/, "time"],
+  [/_rate$|^exponent(_error)?$/, "rate"],
   [/^(energy|stored_energy|potential)$/, "energy"],
 ];
+
+const kindOf = (name) => KINDS.find(([pattern]) => pattern.test(name))?.[1];
 
 /**
  * How a quantity turns to SI.
@@ -20,7 +24,7 @@ const KINDS = [
  *   unit: null where the quantity keeps its own
  */
 export function conversion(name, factors) {
-  const kind = factors && KINDS.find(([pattern]) => pattern.test(name))?.[1];
+  const kind = factors && kindOf(name);
   return kind ? makers[kind](factors) : SAME;
 }
 
@@ -51,15 +55,19 @@ const SHOWN = { 1: "", "K-1": "1/K", "rad": "rad" };
  */
 export function unitText(quantity, factors) {
   const { unit } = conversion(quantity.name, factors);
-  const own = /(^|\.)omega$/.test(quantity.name) ? "rad/τ" : (SHOWN[quantity.unit] ?? quantity.unit);
+  const own = kindOf(quantity.name) === "frequency" ? "rad/τ" : (SHOWN[quantity.unit] ?? quantity.unit);
   return unit ?? own;
 }
 
-/** Quantities that have another symbol, and perhaps another name, in SI. */
+/**
+ * What a quantity is called in SI: each has a symbol made of its own, so that no two are equal.
+ * A load m is a flux density B, and a time τ is t.
+ */
 const SI_NAMES = {
-  frequency: { symbol: "f" },
-  load: { symbol: "B", text: "flux density" },
-  rootLoad: { symbol: "B", text: "peak flux density" },
+  frequency: ({ symbol, text }) => ({ symbol: `${symbol}/2\\pi`, text }),
+  load: ({ symbol, text }) => ({ symbol: symbol.replace(/\bm\b|m(?=_)/, "B"), text: text.replace(/magnetic load/, "flux density") }),
+  rootLoad: () => ({ symbol: "\\hat{B}", text: "peak flux density" }),
+  time: ({ symbol, text }) => ({ symbol: symbol.replace("\\tau", "t"), text }),
 };
 
 /**
@@ -69,8 +77,8 @@ const SI_NAMES = {
  * @returns {Object}
  */
 export function named(quantity, factors) {
-  const kind = conversion(quantity.name, factors).unit !== null && KINDS.find(([pattern]) => pattern.test(quantity.name))?.[1];
-  return { ...quantity, ...(SI_NAMES[kind] ?? {}) };
+  const kind = conversion(quantity.name, factors).unit !== null && kindOf(quantity.name);
+  return { ...quantity, ...SI_NAMES[kind]?.(quantity) };
 }
 
 /**
@@ -84,10 +92,32 @@ export function titleOf(quantity, factors) {
   return { text, symbol, unit: unitText(quantity, factors) };
 }
 
+/**
+ * A time with its symbol and unit.
+ * @param {number} time in units of tau
+ * @param {?Object} factors
+ * @param {number} [digits]
+ * @returns {string} "τ = 12.5", or "t = 35.1 ms"
+ */
+export function timeText(time, factors, digits = 4) {
+  const { unit, to } = conversion(TIME.name, factors);
+  return unit ? `t = ${numberText(to(time), digits)} ${unit}` : `τ = ${numberText(time, digits)}`;
+}
+
+/**
+ * A frequency with its symbol and unit.
+ * @param {number} omega radians in a unit of tau
+ * @param {?Object} factors
+ * @param {number} digits
+ * @returns {string} "ω = 1.25", or "ω/2π = 347 Hz"
+ */
+export function frequencyText(omega, factors, digits) {
+  const { unit, to } = conversion("omega", factors);
+  return unit ? `ω/2π = ${numberText(to(omega), digits)} ${unit}` : `ω = ${numberText(omega, digits)}`;
+}
+
 /** Time as a quantity. */
 export const TIME = { name: "time", unit: "1", text: "time", symbol: "\\tau" };
-/** Time in SI has another letter. */
-export const SI_TIME = { ...TIME, symbol: "t" };
 
 /**
  * All of an array in SI.

@@ -26,7 +26,8 @@ import { constantsOf } from "./stepper.js";
  * @property {number} statesPerPeriod rows from one state of the section to the next
  * @property {number} determinedUntil the time up to which the stated error is small
  * @property {"ok"|"left"|"undetermined"} status
- * @property {string} message what the status means here; empty where all is well
+ * @property {""|"left"|"needs shorter steps"|"differences have grown"|"shortened"} cause why it is
+ *   not known to its end; empty where it is
  * @property {number} milliseconds that it took
  */
 
@@ -122,32 +123,15 @@ function statusOf(course, run, time, error) {
   const lost = error.findIndex((one) => !(one <= UNDETERMINED));
   const end = time[time.length - 1];
   const determinedUntil = lost < 0 ? end : time[Math.max(0, lost - 1)];
-  const at = (t) => Number(t.toPrecision(4));
+  const told = (status, cause) => ({ status, cause, determinedUntil });
   if (hasLeft(run)) {
-    return {
-      status: "left", determinedUntil,
-      message: `The motion leaves the limits of the model near τ = ${at(end)}.`,
-    };
+    return told("left", "left");
   }
   if (run.rows < run.asked) {
-    return {
-      status: "undetermined", determinedUntil,
-      message: `The motion is not followed beyond τ = ${at(end)}: it needs shorter steps.`,
-    };
+    return told("undetermined", "needs shorter steps");
   }
   if (lost >= 0) {
-    return {
-      status: "undetermined", determinedUntil,
-      message: `After τ = ${at(determinedUntil)} the smallest differences have grown so much that `
-        + "the curve is one of many possible ones.",
-    };
+    return told("undetermined", "differences have grown");
   }
-  if (run.units < course.units - 1e-9) {
-    return {
-      status: "ok", determinedUntil,
-      message: `The motion needs ${run.steps} steps in a period; it is shown up to `
-        + `τ = ${at(end)}.`,
-    };
-  }
-  return { status: "ok", determinedUntil, message: "" };
+  return told("ok", run.units < course.units - 1e-9 ? "shortened" : "");
 }
