@@ -2,10 +2,13 @@
 
 import inspect
 import re
+import sys
 from importlib.metadata import version as installed_version
 from pathlib import Path
 
 import remanent
+
+sys.path.append(str(Path(__file__).parent / "extensions"))
 
 project = "Remanent"
 author = "The Remanent developers"
@@ -17,9 +20,10 @@ extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
-    "sphinx.ext.mathjax",
     "sphinx.ext.viewcode",
     "sphinx_copybutton",
+    "mathml",
+    "pictures",
 ]
 # Fragments in results are included by pages.
 exclude_patterns = ["_build", "results/*.md"]
@@ -39,12 +43,18 @@ autodoc_type_aliases = {
 }
 autodoc_typehints = "signature"
 autodoc_typehints_format = "short"
+# Names in text lead somewhere; the types of arguments, which are in words, need not.
+nitpicky = True
+nitpick_ignore_regex = [("py:class", ".*")]
 napoleon_google_docstring = False
 napoleon_use_ivar = True
 napoleon_use_rtype = False
 python_maximum_signature_line_length = 88
 
 html_theme = "furo"
+html_math_renderer = "mathml"
+html_static_path = ["_static/site.css"]
+html_css_files = ["site.css"]
 html_title = f"Remanent {release}"
 copybutton_exclude = ".linenos, .gp, .go"
 

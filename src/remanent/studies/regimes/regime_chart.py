@@ -85,7 +85,7 @@ def regime_chart(
     See Also
     --------
     remanent.classify : the rules, and the same along any number of parameters.
-    remanent.plot.map : a picture of the chart.
+    remanent.plots.map : a picture of the chart.
     """
     periods = require_run_length(periods)
     tolerance = require_tolerance(tolerance, "the error that one drive period adds")
