@@ -53,6 +53,7 @@ python_maximum_signature_line_length = 88
 
 html_theme = "furo"
 html_math_renderer = "mathml"
+html_domain_indices = False
 html_static_path = ["_static/site.css"]
 html_css_files = ["site.css"]
 html_title = f"Remanent {release}"

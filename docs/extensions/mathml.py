@@ -1,7 +1,7 @@
 """Formulas as MathML, which browsers draw by themselves, in a font that goes with the site.
 
-The markup is written while the site is built. A page therefore needs neither a script nor a server to
-show a formula, a screen reader can read it, and it takes the colour of the text around it.
+The markup is written while the site is built. A page therefore needs neither a script nor a server
+to show a formula, a screen reader can read it, and it takes the colour of the text around it.
 """
 
 from importlib.resources import files

@@ -3,7 +3,7 @@
 import imagesize
 from docutils import nodes
 
-#: Points of the page for an inch of the figure: 8 pt, the letters of our figures, look like the text.
+#: Pixels of the page for an inch of the figure: its letters of 8 pt are then as large as the text.
 PER_INCH = 144
 #: Inches from which on a figure is too wide to be read when it is shrunk to the width of a phone.
 WIDE = 5
