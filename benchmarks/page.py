@@ -170,21 +170,27 @@ def _details(row: str, data: Any) -> Iterator[str]:
 def _pictures(row: str, data: Any) -> Iterator[str]:
     if row == "precision":
         for name, one in data.items():
-            yield from _picture(f"precision-{name}", figures.precision, one, _CAPTIONS[name])
+            yield from _picture(
+                f"precision-{name}", figures.precision, one, _CAPTIONS[name], _PRECISION_SEEN
+            )
     elif row == "growth":
-        yield from _picture("growth", figures.growth, data, "Time and memory")
+        yield from _picture("growth", figures.growth, data, "Time and memory", _GROWTH_SEEN)
     elif row == "chart" and (DOCS / "results" / "chart.png").exists():
         yield f"```{{figure}} results/chart.png\n{_CHART_CAPTION}\n```\n"
 
 
-def _picture(name: str, draw: Any, data: Any, caption: str) -> Iterator[str]:
+def _picture(name: str, draw: Any, data: Any, caption: str, seen: str) -> Iterator[str]:
     draw(data, DOCS / "results" / f"{name}.svg")
-    yield f"```{{figure}} results/{name}.svg\n{caption}\n```\n"
+    yield f"```{{figure}} results/{name}.svg\n:alt: {seen}\n\n{caption}\n```\n"
 
 
 _CHART_CAPTION = """\
 Tori by their rotation number, chaos by its exponent; grey is undecided after 500 periods. On the
 line a pair of orbits of the primary resonance is born."""
+_PRECISION_SEEN = (
+    "Time per trajectory and unit of time against the worst and the median error, for each tool"
+)
+_GROWTH_SEEN = "Time, and memory of the result and beyond it, against the number of trajectories"
 _CAPTIONS = {"response": "The cube: time against error.", "film": "The film: the same."}
 _SECTIONS: tuple[tuple[str, str, str, Any], ...] = (
     ("response", "Frequency response of a cube", _WORK, tables.work),

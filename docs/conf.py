@@ -8,6 +8,8 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent))
 import reference_pages
 
+sys.path.append(str(Path(__file__).parent / "extensions"))
+
 project = "Remanent"
 author = "The Remanent developers"
 copyright = "2026, The Remanent developers"
@@ -18,10 +20,11 @@ extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
-    "sphinx.ext.mathjax",
     "sphinx.ext.viewcode",
     "sphinx_click",
     "sphinx_copybutton",
+    "mathml",
+    "pictures",
 ]
 # Fragments in results are included by pages.
 exclude_patterns = ["_build", "results/*.md"]
@@ -41,12 +44,19 @@ autodoc_type_aliases = {
 }
 autodoc_typehints = "signature"
 autodoc_typehints_format = "short"
+# Names in text lead somewhere; the types of arguments, which are in words, need not.
+nitpicky = True
+nitpick_ignore_regex = [("py:class", ".*")]
 napoleon_google_docstring = False
 napoleon_use_ivar = True
 napoleon_use_rtype = False
 python_maximum_signature_line_length = 88
 
 html_theme = "furo"
+html_math_renderer = "mathml"
+html_domain_indices = False
+html_static_path = ["_static/site.css"]
+html_css_files = ["site.css"]
 html_title = f"Remanent {release}"
 copybutton_exclude = ".linenos, .gp, .go"
 

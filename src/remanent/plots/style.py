@@ -235,7 +235,7 @@ def subplots(
     figsize : (float, float)
         Width and height in inches.
     **options : Any
-        Passed to :func:`matplotlib.pyplot.subplots`.
+        Passed to ``matplotlib.pyplot.subplots``.
 
     Returns
     -------

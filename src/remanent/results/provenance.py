@@ -161,7 +161,7 @@ def read_system(dataset: xr.Dataset) -> System:
         As it was given to the verb, or as a fit found it.  Fields named in the attribute
         ``over`` have the value that `dataset` was reduced to
         (``dataset.sel(temperature=350)``); where it still has several, or dropped them, they
-        keep the value from before, which was not used: see :func:`varying_field_names`.
+        keep the value from before, which was not used.
 
     Raises
     ------

@@ -84,8 +84,7 @@ def shape_command(
     m₂ = θ(x³ − 1)/x², under which x is an equilibrium.  In general the last load and state of
     rest solve the equations of equilibrium; loads and durations before it solve
     y(end) = y(rest), and dy(end)/dp = dy(rest)/dp for each p in `robust_to`, by least squares
-    from the answer for small moves
-    (:func:`~remanent.analysis.control.shaping.zero_vibration_impulse_amplitudes`).
+    from the answer for small moves, the command that leaves a linear oscillator without vibration.
 
     Examples
     --------
