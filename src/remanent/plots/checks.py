@@ -86,6 +86,9 @@ def _require_kind(name: str, value: object, parameter: inspect.Parameter) -> Non
     kind = str(parameter.annotation)
     if name == "dataset":
         require_unstacked_dataset(name, value)
+    elif kind.startswith("xr.Dataset"):
+        if value is not None or parameter.default is parameter.empty:
+            require_unstacked_dataset(name, value)
     elif name == "ax":
         _require_axes(value)
     elif isinstance(parameter.default, bool):
