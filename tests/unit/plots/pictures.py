@@ -6,11 +6,10 @@ that it needs one.
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import matplotlib as mpl
@@ -139,8 +138,8 @@ class Picture:
 
     Attributes
     ----------
-    name : str
-        The function.
+    title : str
+        The function, the variant of its result and the style.
     dataset : xarray.Dataset
         Its result.
     artists : list
@@ -151,7 +150,7 @@ class Picture:
         Laid out.
     """
 
-    name: str
+    title: str
     dataset: xr.Dataset
     artists: list[Any]
     axes: Axes
@@ -253,8 +252,8 @@ def in_si(dataset: xr.Dataset) -> xr.Dataset | None:
 #: Variants of a result; those that it does not have are None.
 VARIANTS: Mapping[str, Callable[[xr.Dataset], xr.Dataset | None]] = {
     "whole": lambda dataset: dataset,
-    **{f"{n} members": lambda dataset, n=n: many(dataset, n) for n in (1, 2, 6, 7, 12)},
-    **{f"{n} words": lambda dataset, n=n: in_words(dataset, n) for n in (2, 5, 12)},
+    **{f"{n} members": partial(many, count=n) for n in (1, 2, 6, 7, 12)},
+    **{f"{n} words": partial(in_words, count=n) for n in (2, 5, 12)},
     "one temperature": at_one,
     "losses": with_losses,
     "SI": in_si,
@@ -291,13 +290,10 @@ def picture(name: str, variant: str = "whole", looks: str = "house") -> Picture 
             return None
         figure.draw_without_rendering()
     plt.close(figure)  # pyplot forgets it; it can still be looked at
-    return Picture(name, dataset, found if isinstance(found, list) else [found], axes, figure)
+    artists = found if isinstance(found, list) else [found]
+    return Picture(f"{name}, {variant}, {looks}", dataset, artists, axes, figure)
 
 
 def main_artist(found: Any) -> Any:
     """What an artist is drawn by: of bars the first one."""
     return found.patches[0] if isinstance(found, BarContainer) else found
-
-
-def takes(name: str, argument: str) -> bool:
-    return argument in inspect.signature(drawing_of(name)).parameters
