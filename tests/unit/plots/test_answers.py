@@ -198,7 +198,7 @@ def test_bars_of_several_variables_say_what_they_share() -> None:
 
 def test_many_turns_are_drawn_thin_and_the_small_motion_over_the_large_one() -> None:
     """None hides another; what the user says of lines stays."""
-    time = np.linspace(0.0, 500.0, 8001)
+    time = np.linspace(0.0, 2000.0, 24_001)
     dataset = xr.Dataset(
         {"thickness_stretch": (("temperature", "time"), np.outer([0.1, 0.5], np.sin(time)))},
         coords={"time": time, "temperature": [250.0, 350.0]},
@@ -225,3 +225,16 @@ def test_labels_break_between_words_and_keep_their_mathematics() -> None:
     note = wrapped_text("one two three four five six seven", room, 8.0, 2)
     assert note.startswith("one two\n")
     assert note.endswith("…")
+
+
+def test_a_fit_is_drawn_on_the_grid_of_the_model() -> None:
+    """A peak between two measurements has its top; another variable is refused."""
+    found = pictures.RESULTS["fit"]()
+    time = np.linspace(0.0, 6.0, 301)
+    model = xr.Dataset({"thickness_stretch": ("time", np.sin(time))}, coords={"time": time})
+    _, curve = plots.fit(found, model=model, ax=new_axes())
+    np.testing.assert_array_equal(curve.get_xydata(), np.stack([time, np.sin(time)], axis=1))
+    _, level = plots.fit(found, model=model, residuals=True, ax=new_axes())
+    assert not np.asarray(level.get_ydata()).any()
+    with pytest.raises(InputError, match="model"):
+        plots.fit(found, model=model.rename(thickness_stretch="other"), ax=new_axes())
