@@ -77,7 +77,7 @@ def fit(
             data[x], data["observed"] - level, color=style.OKABE_ITO_COLOURS["blue"],
             label="measured", **{**looks, **line},
         )  # fmt: skip
-        fine = _fine_curve(model, x, name) if model is not None and not residuals else None
+        fine = _fine_curve(model, data[x], name) if model is not None and not residuals else None
         curve = axes.plot(
             *(fine or (data[x], data["predicted"] - level)),
             color=style.OKABE_ITO_COLOURS["vermillion"],
@@ -93,12 +93,14 @@ def fit(
     return [*points, *curve]
 
 
-def _fine_curve(model: xr.Dataset, x: str, name: str) -> tuple[FloatArray, FloatArray]:
+def _fine_curve(model: xr.Dataset, at: xr.DataArray, name: str) -> tuple[FloatArray, FloatArray]:
     """Where the model was computed, and what it gives there."""
-    if name not in model or x not in model.coords or model[name].dims != model[x].dims:
+    x, units = str(at.name), at.attrs.get("units", "1")
+    is_along = name in model and x in model.coords and model[name].dims == model[x].dims
+    if not is_along or model[x].attrs.get("units", "1") != units:
         raise InputError(
             "model",
-            must=f"have {name} along {x} alone",
+            must=f"have {name} along {x} alone, in the units of the fit",
             got=", ".join(
                 f"{n}({', '.join(map(str, a.dims))})" for n, a in model.data_vars.items()
             ),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from numbers import Real
 from typing import Any, Final
 
 import numpy as np
@@ -63,7 +64,8 @@ def step_response(
     variable = observable_name(dataset)
     _require_measures(measures, dataset)
     whole = dataset.assign({name: measures[name].variable for name in _MEASURES})
-    band = float(measures.attrs.get("band", _USUAL_BAND))
+    band = measures.attrs.get("band")
+    band = float(band) if isinstance(band, Real) else _USUAL_BAND
     with style.context_of(ax):
         axes = style.given_or_new_axes(ax)
         members = ensemble.split_into_members(
@@ -97,8 +99,8 @@ def _require_measures(measures: xr.Dataset, dataset: xr.Dataset) -> None:
             why="They are marked on the motion.",
             fix="Pass the result of rm.step_response.",
         )
-    other = {dim: size for dim, size in measures["final"].sizes.items()
-             if dataset.sizes.get(dim) != size}  # fmt: skip
+    sizes = {dim: size for name in _MEASURES for dim, size in measures[name].sizes.items()}
+    other = {dim: size for dim, size in sizes.items() if dataset.sizes.get(dim) != size}
     if other:
         raise InputError(
             "measures",
