@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 import remanent as rm
 from remanent import plots
 from remanent._errors import InputError
+from remanent.models.drives.base import Drive
 from remanent.plots import colours
 from remanent.plots.text_fit import broken_text, text_width, wrapped_text
 from remanent.results import build, provenance
@@ -73,9 +74,11 @@ def test_a_step_shows_its_rise_its_band_and_when_it_has_settled() -> None:
     axes = new_axes()
     plots.step_response(*step(), ax=axes)
     (rise,) = [line for line in axes.lines if line.get_gid() == "rise"]
-    np.testing.assert_allclose(rise.get_xdata(), [np.log(10.0 / 9.0), np.log(10.0)], atol=1e-5)
+    np.testing.assert_allclose(
+        np.asarray(rise.get_xdata()), [np.log(10.0 / 9.0), np.log(10.0)], atol=1e-5
+    )
     (settled,) = [line for line in axes.lines if line.get_gid() == "settled"]
-    np.testing.assert_allclose(settled.get_xydata(), [[np.log(50.0), 1.98]], atol=1e-5)
+    np.testing.assert_allclose(np.asarray(settled.get_xydata()), [[np.log(50.0), 1.98]], atol=1e-5)
     (band,) = axes.patches
     box = band.get_extents().transformed(axes.transData.inverted())
     np.testing.assert_allclose([box.y0, box.y1], [1.98, 2.02])
@@ -106,7 +109,7 @@ def test_the_areas_of_a_balance_end_in_the_work() -> None:
     (work,) = plots.energy_balance(balance, ax=axes)
     np.testing.assert_array_equal(work.get_ydata(), balance.drive_work)
     _, stored = axes.collections
-    top = max(point[1] for point in stored.get_paths()[0].vertices)  # type: ignore[index,union-attr]
+    top = np.asarray(stored.get_paths()[0].vertices)[:, 1].max()
     defect = float(abs(balance.balance).max())
     assert top == pytest.approx(float(balance.drive_work.max()), abs=2.0 * defect)
     (said,) = [text for text in legend_texts(axes) if text.startswith("defect at most")]
@@ -127,7 +130,7 @@ RATIOS = [(rm.SineSquared(0.4, 1.0), 2.0), (rm.Sine(0.4, 1.0), 1.0)]
 
 
 @pytest.mark.parametrize(("drive", "ratio"), RATIOS)
-def test_a_backbone_lies_on_the_axis_of_the_drive(drive: rm.Drive, ratio: float) -> None:
+def test_a_backbone_lies_on_the_axis_of_the_drive(drive: Drive, ratio: float) -> None:
     """(b sin ωτ)² has twice the frequency ω, sin ωτ once; no limit of the response changes."""
     forced = synthetic.frequency_response(7, 10.0).isel(prestress=0, temperature=0)
     forced = forced.assign_attrs(provenance.attributes(synthetic.ACTUATOR, drive, 1e-9))
@@ -174,7 +177,7 @@ def test_numbers_within_their_error_have_one_tone_and_a_name() -> None:
         coords={"b": [0.1, 0.2], "omega": [1.0, 2.0]},
     )  # fmt: skip
     mesh = plots.map(dataset, "exponent", ax=new_axes())
-    shown = np.ma.getdata(mesh.get_array())
+    shown = np.ma.getdata(np.ma.asarray(mesh.get_array()))
     np.testing.assert_array_equal(shown, [[-0.1, 0.0], [0.3, 0.0]])
     assert isinstance(mesh.axes, Axes)
     assert legend_texts(mesh.axes) == [r"$\Lambda$ is 0 within error"]
