@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 import remanent as rm
 from remanent import plots
 from remanent._errors import InputError
+from remanent._typing import FloatArray
 from remanent.models.drives.base import Drive
 from remanent.plots import colours
 from remanent.plots.text_fit import broken_text, text_width, wrapped_text
@@ -177,7 +178,7 @@ def test_numbers_within_their_error_have_one_tone_and_a_name() -> None:
         coords={"b": [0.1, 0.2], "omega": [1.0, 2.0]},
     )  # fmt: skip
     mesh = plots.map(dataset, "exponent", ax=new_axes())
-    shown = np.ma.getdata(np.ma.asarray(mesh.get_array()))
+    shown: FloatArray = np.ma.getdata(np.ma.asarray(mesh.get_array()))
     np.testing.assert_array_equal(shown, [[-0.1, 0.0], [0.3, 0.0]])
     assert isinstance(mesh.axes, Axes)
     assert legend_texts(mesh.axes) == [r"$\Lambda$ is 0 within error"]
