@@ -205,6 +205,7 @@ DRAWN: Mapping[str, Callable[[], dict[str, Any]]] = {
     "basins": lambda: {"dataset": synthetic.basins_of_two()},
     "branch": lambda: {"dataset": result_of("continue_orbit")},
     "curve": lambda: {"dataset": motion(), "variable": "stretch", "x": "time"},
+    "energy_balance": lambda: {"dataset": result_of("energy_balance")},
     "equilibria": lambda: {"dataset": equilibria_over_loads()},
     "fit": lambda: {"dataset": result_of("fit")},
     "history": lambda: {"dataset": motion()},
@@ -213,6 +214,11 @@ DRAWN: Mapping[str, Callable[[], dict[str, Any]]] = {
     "overview": lambda: {"dataset": result_of("regime_chart")},
     "multipliers": lambda: {"dataset": result_of("continue_orbit")},
     "phase": lambda: {"dataset": motion()},
+    "resonances": lambda: {"dataset": result_of("resonances")},
     "response": lambda: {"dataset": result_of("frequency_response")},
     "section": lambda: {"dataset": result_of("poincare_section")},
+    "step_response": lambda: {
+        "dataset": motion().isel(temperature=0),
+        "measures": result_of("step_response"),
+    },
 }

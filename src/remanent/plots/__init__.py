@@ -1,5 +1,6 @@
 """Pictures of results: a dataset in, Matplotlib artists out; nothing is computed here."""
 
+from remanent.plots import balances as _balances
 from remanent.plots import bars as _bars
 from remanent.plots import basins as _basins
 from remanent.plots import branches as _branches
@@ -11,12 +12,15 @@ from remanent.plots import forced as _forced
 from remanent.plots import maps as _maps
 from remanent.plots import motion as _motion
 from remanent.plots import overview as _overview
+from remanent.plots import peaks as _peaks
+from remanent.plots import steps as _steps
 from remanent.plots.checks import checked_picture as _checked
 
 bars = _checked(_bars.bars)
 basins = _checked(_basins.basins)
 branch = _checked(_branches.branch)
 curve = _checked(_curves.curve)
+energy_balance = _checked(_balances.energy_balance)
 equilibria = _checked(_equilibria.equilibria)
 fit = _checked(_fits.fit)
 history = _checked(_motion.history)
@@ -25,14 +29,17 @@ map = _checked(_maps.map)
 multipliers = _checked(_branches.multipliers)
 overview = _checked(_overview.overview)
 phase = _checked(_motion.phase)
+resonances = _checked(_peaks.resonances)
 response = _checked(_forced.response)
 section = _checked(_motion.section)
+step_response = _checked(_steps.step_response)
 
 __all__ = [
     "bars",
     "basins",
     "branch",
     "curve",
+    "energy_balance",
     "equilibria",
     "fit",
     "history",
@@ -41,6 +48,8 @@ __all__ = [
     "multipliers",
     "overview",
     "phase",
+    "resonances",
     "response",
     "section",
+    "step_response",
 ]

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -14,9 +15,10 @@ from matplotlib.patches import Patch
 
 from remanent._errors import InputError
 from remanent._typing import FloatArray
+from remanent.models.variable_text import VariableText
 from remanent.plots import colours, style
 from remanent.plots.footer import add_legend_and_footer
-from remanent.plots.labels import field_label
+from remanent.plots.labels import field_label, lone_part_names
 from remanent.results.provenance import own_variable_texts
 from remanent.results.schema import describe
 
@@ -26,6 +28,8 @@ __all__ = ["bars"]
 _GROUP_HEIGHT_SHARE: Final = 0.8
 #: Share of its place that a bar covers, so that bars side by side are told apart.
 _BAR_HEIGHT_SHARE: Final = 0.9
+#: Hatching of sets of bars, a second cue beside their colour.
+_HATCHINGS: Final = ("", "////", "....", "\\\\\\\\", "xxxx", "----", "++++")
 #: Size of the words where a bar is missing, in points.
 _NOTE_SIZE_POINTS: Final = 7.0
 #: Letters of a field's name in one line.
@@ -107,25 +111,53 @@ def bars(
             colour = tones[k]
             y = positions - 0.5 * _GROUP_HEIGHT_SHARE + (k + 0.5) * thickness
             looks = {
-                "color": colour,
+                "facecolor": colour,
                 "height": _BAR_HEIGHT_SHARE * thickness,
                 "label": label,
+                "hatch": _HATCHINGS[k % len(_HATCHINGS)],
+                "edgecolor": axes.get_facecolor(),
+                "linewidth": 0.0,
                 **bar,
             }
-            artists.append(axes.barh(y, values, xerr=errors, error_kw={"lw": 0.8}, **looks))
+            artists.append(
+                axes.barh(
+                    y,
+                    values,
+                    xerr=errors,
+                    error_kw={"lw": 0.8, "ecolor": style.ink_colour()},
+                    **looks,
+                )
+            )
             _name_missing_bars(axes, np.asarray(y, dtype=np.float64), np.asarray(values), thickness)
         axes.axvline(0.0, color=style.ink_colour(), lw=0.6)
-        own = own_variable_texts(dataset)
-        fields = [field_label(name, own) for name in dataset["field"].values]
+        own, lone = own_variable_texts(dataset), lone_part_names(dataset)
+        fields = [field_label(name, own, lone) for name in dataset["field"].values]
         axes.set_yticks(positions, [_wrap(name) for name in fields])
         axes.tick_params(axis="y", length=0)
         axes.invert_yaxis()
-        row = describe(names[0], own)
-        style.label_axes(axes, f"{row.long_name}, ${row.symbol}$" if len(names) == 1 else "", "")
-        entries = [Patch(facecolor=a.patches[0].get_facecolor(), label=str(a.get_label()))
-                   for a in artists] if len(rows) > 1 and positions.size else []  # fmt: skip
+        style.label_axes(axes, _value_label(names, own), "")
+        entries = [_legend_entry(a) for a in artists] if len(rows) > 1 and positions.size else []
         add_legend_and_footer(axes, ax, dataset, entries, legend=legend, footer=footer)
     return artists
+
+
+def _value_label(names: Sequence[str], own: Mapping[str, VariableText]) -> str:
+    """Meaning and symbol of one variable, or the last words that the names of several share."""
+    rows = [describe(name, own) for name in names]
+    if len(rows) == 1:
+        return f"{rows[0].long_name}, ${rows[0].symbol}$"
+    backwards = zip(*(row.long_name.split()[::-1] for row in rows), strict=False)
+    shared = list(itertools.takewhile(lambda words: len(set(words)) == 1, backwards))
+    return " ".join(words[0] for words in shared[::-1])
+
+
+def _legend_entry(bars: BarContainer) -> Patch:
+    """The look of a set of bars, with its name."""
+    one = bars.patches[0]
+    return Patch(
+        facecolor=one.get_facecolor(), edgecolor=one.get_edgecolor(), hatch=one.get_hatch(),
+        linewidth=0.0, label=str(bars.get_label()),
+    )  # fmt: skip
 
 
 def _name_missing_bars(axes: Axes, y: FloatArray, values: FloatArray, thickness: float) -> None:

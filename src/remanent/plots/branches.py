@@ -18,6 +18,7 @@ from matplotlib.lines import Line2D
 from remanent._errors import InputError
 from remanent._typing import FloatArray
 from remanent.plots import ensemble, keys, missing, style
+from remanent.plots.backbones import draw_backbone
 from remanent.plots.branch_marks import mark_ends, mark_special_points
 from remanent.plots.footer import add_legend_and_footer
 from remanent.plots.retraced import new_stretches, turning_points
@@ -49,6 +50,7 @@ def branch(
     variable: str = "amplitude",
     *,
     parameter: str | None = None,
+    backbone: xr.Dataset | None = None,
     ax: Axes | None = None,
     legend: bool = True,
     footer: bool = True,
@@ -66,6 +68,8 @@ def branch(
         ``thickness_stretch`` at the beginning of each drive period, over a bifurcation diagram.
     parameter : str, optional
         Against what; by default the parameter that was followed.
+    backbone : xarray.Dataset, optional
+        A result of ``backbone``, drawn where the load has the frequency of its oscillations.
     ax : matplotlib.axes.Axes, optional
         Axes to draw in; a new figure if None.
     legend : bool
@@ -118,7 +122,8 @@ def branch(
         style.label_axes(axes, style.axis_label(dataset[x]), style.axis_label(dataset[variable]))
         if variable == "amplitude":
             axes.set_ylim(bottom=0.0)
-        entries = [*_drawn_stabilities(dataset, artists, size), *marked]
+        free = draw_backbone(axes, _fitting_backbone(backbone, x), dataset, variable)
+        entries = [*_drawn_stabilities(dataset, artists, size), *free, *marked]
         _finish(axes, ax, dataset, members, entries, x, variable, legend, footer)
     return artists
 
@@ -247,6 +252,19 @@ def _followed_parameter(dataset: xr.Dataset, given: str | None) -> str:
         why="The attribute `parameter` says it in results of continue_orbit.",
         fix="Pass parameter=..., or the result of continue_orbit or response_diagram.",
     )
+
+
+def _fitting_backbone(backbone: xr.Dataset | None, x: str) -> xr.Dataset | None:
+    """The backbone, refused where the axis is no frequency."""
+    if backbone is not None and x != "omega":
+        raise InputError(
+            "backbone",
+            must="be left out where the axis is no frequency",
+            got=f"one over {x}",
+            why="A backbone is a frequency for each amplitude.",
+            fix="Draw it over a branch that was followed in omega.",
+        )
+    return backbone
 
 
 def _require_values_along_branch(dataset: xr.Dataset, variable: str) -> None:

@@ -63,7 +63,9 @@ def checked_picture(draw: Callable[_Arguments, _Artists]) -> Callable[_Arguments
         for name, value in given.items():
             if name != words:
                 _require_kind(name, value, signature.parameters[name])
-        _require_kinds_of_results(given["dataset"])
+        for name, value in given.items():
+            if isinstance(value, xr.Dataset):
+                _require_kinds_of_results(name, value)
         _require_numbers(draw.__name__, given)
         if draw.__name__ == "phase":
             _require_same_dimensions(given)
@@ -86,6 +88,9 @@ def _require_kind(name: str, value: object, parameter: inspect.Parameter) -> Non
     kind = str(parameter.annotation)
     if name == "dataset":
         require_unstacked_dataset(name, value)
+    elif kind.startswith("xr.Dataset"):
+        if value is not None or parameter.default is parameter.empty:
+            require_unstacked_dataset(name, value)
     elif name == "ax":
         _require_axes(value)
     elif isinstance(parameter.default, bool):
@@ -103,7 +108,7 @@ def _require_kind(name: str, value: object, parameter: inspect.Parameter) -> Non
                 )
 
 
-def _require_kinds_of_results(dataset: xr.Dataset) -> None:
+def _require_kinds_of_results(argument: str, dataset: xr.Dataset) -> None:
     """Refuse variables of results that hold other things than results do."""
     for name, variable in dataset.variables.items():
         if not is_described(str(name)):
@@ -113,7 +118,7 @@ def _require_kinds_of_results(dataset: xr.Dataset) -> None:
         is_no_word = kind == "O" and not _is_of_words(variable)
         if is_complex or is_no_word or (kind in "SU" and _is_of_numbers_in_words(variable)):
             raise InputError(
-                "dataset",
+                argument,
                 must=f"hold {name} as results do, as real numbers or words",
                 got=f"{name} of {variable.dtype}",
                 why="They are drawn along axes.",

@@ -32,6 +32,7 @@ __all__ = [
     "TORUS_COLOUR_MAP",
     "UNDECIDED_COLOUR",
     "category_colours",
+    "is_ground_dark",
     "number_colour_map",
     "number_colours",
     "number_scale",
@@ -125,7 +126,7 @@ def temperature_colours(temperatures: Iterable[float]) -> list[_Rgba]:
 
 def temperature_colour_map() -> Colormap:
     """The colour map of temperature, from the cold end of its scale to the hot one."""
-    part = _DARK_GROUND_RANGE if _is_ground_dark() else _TEMPERATURE_COLOUR_MAP_RANGE
+    part = _DARK_GROUND_RANGE if is_ground_dark() else _TEMPERATURE_COLOUR_MAP_RANGE
     return _cut_colour_map(_TEMPERATURE_COLOUR_MAP, part)
 
 
@@ -193,7 +194,7 @@ def number_scale(values: Sequence[float]) -> Normalize:
 
 def number_colour_map() -> Colormap:
     """The colour map of ordered numbers other than temperatures, dark to light."""
-    part = _DARK_GROUND_RANGE if _is_ground_dark() else _NUMBER_COLOUR_MAP_RANGE
+    part = _DARK_GROUND_RANGE if is_ground_dark() else _NUMBER_COLOUR_MAP_RANGE
     return _cut_colour_map(_NUMBER_COLOUR_MAP, part)
 
 
@@ -210,12 +211,12 @@ def category_colours(count: int) -> list[str]:
     list of str
     """
     wheel = list(OKABE_ITO_COLOURS.values())
-    if _is_ground_dark():
+    if is_ground_dark():
         wheel[-1] = "#ffffff"
     return [wheel[k % len(wheel)] for k in range(count)]
 
 
-def _is_ground_dark() -> bool:
+def is_ground_dark() -> bool:
     """Whether the style in force draws on a dark ground."""
     rgb = to_rgb(mpl.rcParams["axes.facecolor"])
     return sum(rgb) / 3.0 < _DARK_GROUND_BRIGHTNESS

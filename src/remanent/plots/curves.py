@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from remanent.plots import ensemble, keys, missing, style
+from remanent.plots import colours, ensemble, keys, missing, style
 from remanent.plots.equilibria import equilibria
 from remanent.plots.footer import add_legend_and_footer
 
@@ -20,6 +20,8 @@ __all__ = ["curve"]
 
 #: Opacity of the band between the outermost quantiles.
 _BAND_OPACITY: Final = 0.22
+#: The same on a dark ground, where a faint shade is not seen.
+_BAND_OPACITY_ON_DARK: Final = 0.5
 #: Dimensions whose entries are numbered anew at each value of anything else.
 _NUMBERED_DIMENSIONS: Final = frozenset({"orbit", "attractor", "peak", "special", "fold", "snap"})
 #: Diameter of a point.
@@ -123,9 +125,13 @@ def _quantile_entries(members: Sequence[ensemble.Member], variable: str) -> list
     middle = "median" if percent[0] == "50" else f"{percent[0]} %"
     tone = members[0].colour if len(members) == 1 else style.ink_colour()
     band = Patch(
-        color=tone, alpha=_BAND_OPACITY, linewidth=0.0, label=f"{percent[1]}–{percent[2]} %"
+        color=tone, alpha=_band_opacity(), linewidth=0.0, label=f"{percent[1]}–{percent[2]} %"
     )
     return [Line2D([], [], color=tone, label=middle), band]
+
+
+def _band_opacity() -> float:
+    return _BAND_OPACITY_ON_DARK if colours.is_ground_dark() else _BAND_OPACITY
 
 
 def _draw_curve_and_band(
@@ -135,7 +141,7 @@ def _draw_curve_and_band(
     if "quantile" in values.dims:
         values = values.sortby("quantile")
         low, high = values.isel(quantile=0), values.isel(quantile=-1)
-        axes.fill_between(at, low, high, color=member.colour, alpha=_BAND_OPACITY, linewidth=0.0)
+        axes.fill_between(at, low, high, color=member.colour, alpha=_band_opacity(), linewidth=0.0)
         values = values.isel(quantile=values.sizes["quantile"] // 2)
     looks = {"color": member.colour, "linestyle": member.line_style, "label": member.label}
     if _NUMBERED_DIMENSIONS & set(values.dims) - set(member.data[x].dims):

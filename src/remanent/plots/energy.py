@@ -26,6 +26,8 @@ _VARIABLES_DRAWN_IF_PRESENT: Final = (
     "turning_upper",
 )
 
+#: Width of the thinnest and of the thickest level, in points.
+_LEVEL_WIDTHS_POINTS: Final = (1.2, 3.6)
 #: Room above the highest level, in depths of the well.
 _MARGIN_ABOVE_LEVEL: Final = 0.9
 #: Room below the well, over the height of what is shown.
@@ -99,11 +101,13 @@ def landscape(
             dataset, ("potential", "thickness_stretch", *extra), along
         )
         artists = [_draw_potential(axes, member, line) for member in members]
-        # Shorter levels lie on longer ones, so that all are seen.
-        for member in sorted(members, key=_distance_between_turning_points, reverse=True):
-            _draw_level(axes, member)
+        # Shorter levels lie on longer ones and are thinner, so that all are seen.
+        by_length = sorted(members, key=_distance_between_turning_points, reverse=True)
+        widths = np.linspace(*_LEVEL_WIDTHS_POINTS, len(members))[::-1] if len(members) > 1 else [
+            _LEVEL_WIDTHS_POINTS[0]]  # fmt: skip
+        for member, width in zip(by_length, widths, strict=True):
+            _draw_level(axes, member, float(width))
             _draw_equilibria(axes, member)
-        _annotate_level(axes, members)
         style.label_axes(
             axes,
             style.axis_label(dataset["thickness_stretch"]),
@@ -114,7 +118,7 @@ def landscape(
         if legend:
             keys.add_colour_bar(axes, members)
         names = keys.line_legend_entries(members, "potential")
-        entries = [*names, *equilibrium_legend_entries(dataset)]
+        entries = [*names, *equilibrium_legend_entries(dataset), *_level_entries(members)]
         add_legend_and_footer(axes, ax, dataset, entries, legend=legend, footer=footer)
     return artists
 
@@ -149,25 +153,26 @@ def _has_level(member: ensemble.Member) -> bool:
     return {"level", "turning_lower", "turning_upper"} <= set(member.data)
 
 
-def _draw_level(axes: Axes, member: ensemble.Member) -> None:
+def _draw_level(axes: Axes, member: ensemble.Member, width: float) -> None:
     """Draw the energy of the motion and its turning points."""
     if not _has_level(member):
         return
     ends = [float(member.data["turning_lower"]), float(member.data["turning_upper"])]
     levels = 2 * [float(member.data["level"])]
-    axes.plot(ends, levels, color=member.colour, lw=1.6, zorder=1.6, solid_capstyle="butt")
+    axes.plot(ends, levels, color=member.colour, lw=width, zorder=1.6, solid_capstyle="butt")
     axes.plot(ends, levels, "|", color=member.colour, ms=7, mew=1.2, zorder=4)
 
 
-def _annotate_level(axes: Axes, members: list[ensemble.Member]) -> None:
-    """Write the symbol of the energy outside the widest well."""
-    widest = max(members, key=_distance_between_turning_points)
-    if _has_level(widest) and np.isfinite(widest.data["turning_upper"]):
-        axes.annotate(
-            style.math_symbol(widest.data["level"]),
-            (float(widest.data["turning_upper"]), float(widest.data["level"])),
-            xytext=(5, -1), textcoords="offset points", va="top",
-        )  # fmt: skip
+def _level_entries(members: list[ensemble.Member]) -> list[Line2D]:
+    """Legend entry of the energies of motions, where there are any."""
+    known = [m for m in members if _has_level(m) and np.isfinite(m.data["turning_upper"])]
+    if not known:
+        return []
+    text = style.axis_label(known[0].data["level"])
+    return [
+        Line2D([], [], color=style.ink_colour(), lw=_LEVEL_WIDTHS_POINTS[0], marker="|", ms=6,
+               label=text)
+    ]  # fmt: skip
 
 
 def _draw_equilibria(axes: Axes, member: ensemble.Member) -> None:

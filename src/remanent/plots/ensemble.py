@@ -13,8 +13,12 @@ from matplotlib.colors import Colormap, Normalize
 
 from remanent._errors import InputError
 from remanent.plots import colours, style
-from remanent.plots.labels import field_label
-from remanent.results.provenance import own_variable_texts
+from remanent.plots.labels import field_label, lone_part_names
+from remanent.results.provenance import (
+    SYSTEM_ATTRIBUTE,
+    own_variable_texts,
+    read_plain_model,
+)
 
 __all__ = ["ColourScale", "Member", "split_by_colour", "split_into_members"]
 
@@ -24,6 +28,8 @@ _EVIDENCE_VARIABLES: Final = ("status", "reason")
 _MAX_NAMED_DIMENSIONS: Final = 2
 #: Coordinates whose values are names of fields.
 _FIELD_NAME_COORDINATES: Final = frozenset({"field", "parameter", "other_parameter"})
+#: Kind of a system whose field ``temperature`` is one, in plain data.
+_ACTUATOR_KIND: Final = "Actuator"
 #: Fewest numbers that are an ordered set, with a colour map; two are told apart like words.
 _MIN_ORDERED_COUNT: Final = 3
 #: Most members that differ in words: every pair of a colour and a line style once.
@@ -255,8 +261,9 @@ def _colour_looks(dataset: xr.Dataset, dim: Hashable | None) -> list[_ColourLook
     """The colours along one dimension."""
     temperature = dataset.coords.get("temperature")
     if dim is None:
-        if temperature is not None and temperature.ndim == 0:
-            return [_ColourLook(colours.temperature_colours([float(temperature)])[0])]
+        kelvin = _single_temperature(dataset)
+        if np.isfinite(kelvin):
+            return [_ColourLook(colours.temperature_colours([kelvin])[0])]
         return [_ColourLook(colours.category_colours(1)[0])]
     if temperature is not None and temperature.dims == (dim,):
         kelvins = temperature.values.astype(float).tolist()
@@ -281,6 +288,19 @@ def _colour_looks(dataset: xr.Dataset, dim: Hashable | None) -> list[_ColourLook
     return [
         _ColourLook(tone, word_number=k) for k, tone in enumerate(colours.category_colours(count))
     ]
+
+
+def _single_temperature(dataset: xr.Dataset) -> float:
+    """The one temperature of a result, K: its coordinate, or the field of its actuator; or NaN."""
+    coordinate = dataset.coords.get("temperature")
+    if coordinate is not None:
+        return float(coordinate) if coordinate.ndim == 0 else np.nan
+    varied = str(dataset.attrs.get("over", "")).split()
+    table = read_plain_model(dataset, SYSTEM_ATTRIBUTE)
+    if table is None or "temperature" in varied or table.get("kind") != _ACTUATOR_KIND:
+        return np.nan
+    value = table.get("temperature")
+    return float(value) if isinstance(value, int | float) else np.nan
 
 
 def _number_looks(
@@ -308,10 +328,10 @@ def _coordinate_label(
     coords = [array for array in dataset.coords.values() if array.dims == (dim,)]
     if not coords:
         return f"{dim} {indices[dim]}"
-    own = own_variable_texts(dataset)
+    own, lone = own_variable_texts(dataset), lone_part_names(dataset)
     values = ((array, np.asarray(array.values[indices[dim]]).item()) for array in coords)
     return ", ".join(
-        field_label(value, own)
+        field_label(value, own, lone)
         if array.name in _FIELD_NAME_COORDINATES
         else style.value_label(array, value)
         for array, value in values

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from remanent._errors import InputError
+from remanent._typing import FloatArray
 from remanent.plots import style
 from remanent.plots.footer import add_legend_and_footer
 from remanent.results.provenance import own_variable_texts
@@ -26,6 +27,7 @@ def fit(
     legend: bool = True,
     footer: bool = True,
     residuals: bool = False,
+    model: xr.Dataset | None = None,
     **line: Any,
 ) -> list[Line2D]:
     """Draw measured points and the fitted curve, or what is left between them.
@@ -44,6 +46,9 @@ def fit(
         Whether a new figure says below what made it; files say so in their metadata.
     residuals : bool
         Draw observed − predicted instead.
+    model : xarray.Dataset, optional
+        A result of what was fitted, ``rm.read_system(dataset)``, at more times or frequencies,
+        which is drawn instead of straight lines between the predictions.
     **line : Any
         Passed to matplotlib's ``plot`` for the points.
 
@@ -94,9 +99,9 @@ def fit(
             data[x], data["observed"] - level, color=style.OKABE_ITO_COLOURS["blue"],
             label="measured", **{**looks, **line},
         )  # fmt: skip
+        fine = _fine_curve(model, data[x], name) if model is not None and not residuals else None
         curve = axes.plot(
-            data[x],
-            data["predicted"] - level,
+            *(fine or (data[x], data["predicted"] - level)),
             color=style.OKABE_ITO_COLOURS["vermillion"],
             label="fitted",
             zorder=points[0].get_zorder() - 0.1,  # so that no point is covered
@@ -108,6 +113,23 @@ def fit(
         entries = [*points, *curve, *_lost_entries(data)]
         add_legend_and_footer(axes, ax, dataset, entries, legend=legend, footer=footer)
     return [*points, *curve]
+
+
+def _fine_curve(model: xr.Dataset, at: xr.DataArray, name: str) -> tuple[FloatArray, FloatArray]:
+    """Where the model was computed, and what it gives there."""
+    x, units = str(at.name), at.attrs.get("units", "1")
+    is_along = name in model and x in model.coords and model[name].dims == model[x].dims
+    if not is_along or model[x].attrs.get("units", "1") != units:
+        raise InputError(
+            "model",
+            must=f"have {name} along {x} alone, in the units of the fit",
+            got=", ".join(
+                f"{n}({', '.join(map(str, a.dims))})" for n, a in model.data_vars.items()
+            ),
+            why="It is drawn through the measurements.",
+            fix="Pass a result with the fitted system and drive, such as rm.simulate gives.",
+        )
+    return model[x].values, model[name].values
 
 
 def _lost_entries(data: xr.Dataset) -> list[Line2D]:

@@ -17,11 +17,12 @@ from matplotlib.figure import Figure
 from remanent._errors import InputError
 from remanent.models.variable_text import VariableText
 from remanent.plots import missing
-from remanent.plots.legends import row_count
+from remanent.plots.legends import height_above
 from remanent.plots.style import (
     FAINT_COLOUR,
     HouseFigure,
     add_legend_above,
+    fit_label,
     format_number,
     value_label,
 )
@@ -44,6 +45,10 @@ _FIELD_VALUES_LEFT_OUT: Final[Mapping[str, object]] = MappingProxyType(
         "discard": 0.0,
         "every": 1,
         "section_phase": 0.0,
+        "orbit_period": 1,
+        "shear_modulus": 1.0,
+        "density": 1.0,
+        "remanence": 1.0,
     }
 )
 #: Symbol, factor and unit of the quantities that an actuator in SI was built with.
@@ -61,16 +66,18 @@ _TWO_NUMBER_FIELDS: Final = frozenset({"prestress", "edges"})
 _OMITTED_PARTS: Final = frozenset({"scales"})
 #: Settings of which a figure says nothing: its axes or its legend show them.
 _OMITTED_SETTINGS: Final = frozenset({"measure", "parameter", "direction"})
+#: Settings that are said in these words, and not by the symbol of a variable of their name.
+_SETTING_WORDS: Final[Mapping[str, str]] = MappingProxyType({"step": "step", "rng": "seed"})
+#: The part whose fields are said without its name: ratios to what the actuator was built with.
+_PART_OF_RATIOS: Final = "physical_sizes"
 #: The kind of a magnet, which is named only where it has something to say.
 _CLASS_OMITTED_WITHOUT_FIELDS: Final = "Magnet"
 #: The field of a system of the user's own that holds its numbers by name.
 _OWN_PARAMETERS: Final = "parameters"
 #: What parts the pieces of the footer.
 _PIECE_SEPARATOR: Final = "   "
-#: Rows of a legend for which a figure has room.
-_USUAL_LEGEND_ROW_COUNT: Final = 2
-#: Height of a row of a legend.
-_LEGEND_ROW_HEIGHT_INCHES: Final = 0.17
+#: Height of a legend for which a figure has room, in points: that of two rows.
+_USUAL_HEIGHT_ABOVE_POINTS: Final = 33.0
 #: Size of its letters, in points.
 _FONT_SIZE_POINTS: Final = 6.0
 #: Width of a letter over its size, on average.
@@ -111,17 +118,18 @@ def add_legend_and_footer(
         Fields that the footer leaves out, see :func:`add_footer`.
     """
     if legend:
-        add_legend_above(axes, [*entries, *missing.incomplete_entries(dataset)])
+        add_legend_above(axes, entries, missing.incomplete_note(dataset))
     if given is None:
         figure = axes.get_figure(root=True)
         assert isinstance(figure, Figure)
         # A long legend makes the figure higher instead of the axes smaller.
-        more = max(row_count(axes) - _USUAL_LEGEND_ROW_COUNT, 0) * _LEGEND_ROW_HEIGHT_INCHES
+        more = max(height_above(axes) - _USUAL_HEIGHT_ABOVE_POINTS, 0.0) / 72.0
         figure.set_figheight(figure.get_figheight() + more)
         if isinstance(figure, HouseFigure):
             figure.description = footer_text(dataset, hide=hide)
         if footer:
             add_footer(figure, dataset, hide=hide)
+    fit_label(axes)
 
 
 def add_footer(figure: Figure, dataset: xr.Dataset, *, hide: Iterable[str] = ()) -> None:
@@ -182,7 +190,11 @@ def footer_text(dataset: xr.Dataset, *, hide: Iterable[str] = ()) -> str:
             if "drive" in shown
             else _model_texts(dataset, provenance.DRIVE_ATTRIBUTE, shown, say)
         ),
-        *(say(key, attrs[key]) for key in settings if not _is_left_out(key, attrs[key])),
+        *(
+            _setting_text(key, attrs[key], say)
+            for key in settings
+            if not _is_left_out(key, attrs[key])
+        ),
     ]
     if isinstance(attrs.get("tolerance"), Real) and "tolerance" not in dataset.dims:
         pieces.append(f"tolerance ${format_number(attrs['tolerance'])}$")
@@ -207,6 +219,14 @@ def _value_texts(dataset: xr.Dataset) -> _Say:
         return value_label(to_si(single)[name], float(to_si(single)[name]))
 
     return say
+
+
+def _setting_text(name: str, value: object, say: _Say) -> str:
+    """A setting by its symbol, or in words."""
+    if name not in _SETTING_WORDS:
+        return say(name, value)
+    number = f"${format_number(value)}$" if isinstance(value, Real) else str(value)
+    return f"{_SETTING_WORDS[name]} {number}"
 
 
 def _scale_texts(dataset: xr.Dataset) -> list[str]:
@@ -251,7 +271,9 @@ def _field_texts(
 ) -> Iterator[str]:
     """The fields of a table of plain data, those of parts within it in brackets."""
     for name, content in table.items():
-        if isinstance(content, dict) and "kind" in content and name not in _OMITTED_PARTS:
+        if isinstance(content, dict) and name == _PART_OF_RATIOS:
+            yield from _field_texts(content, shown, say)
+        elif isinstance(content, dict) and "kind" in content and name not in _OMITTED_PARTS:
             yield from _part_texts(content, shown, say, name)
         elif isinstance(content, dict) and name == _OWN_PARAMETERS:
             yield from _field_texts(content, shown, say)
@@ -269,7 +291,8 @@ def _list_texts(name: str, entries: list[Any], shown: set[str], say: _Say) -> It
     """The parts of a list, and the numbers of a pair."""
     for k, entry in enumerate(entries):
         if isinstance(entry, dict):
-            yield from _part_texts(entry, shown, say, f"{name}.{k}")
+            owner = name if len(entries) == 1 else f"{name}.{k}"
+            yield from _part_texts(entry, shown, say, owner)
         elif name in _TWO_NUMBER_FIELDS and f"{name}_{k + 1}" not in shown:
             yield say(f"{name}_{k + 1}", entry)
 
@@ -314,13 +337,22 @@ def _shorten_description(source: str) -> str:
 def _wrap_pieces(line: str, letters: float) -> str:
     """Break between pieces where a line would be longer than the figure."""
     lines = [""]
-    for piece in line.split(_PIECE_SEPARATOR):
+    whole = line.split(_PIECE_SEPARATOR)
+    pieces = [part for piece in whole for part in _parts_of_long_piece(piece, letters)]
+    for piece in pieces:
         longer = f"{lines[-1]}{_PIECE_SEPARATOR}{piece}".strip()
         if lines[-1] and _typeset_letter_count(longer) > letters:
             lines.append(piece)
         else:
             lines[-1] = longer
     return "\n".join(lines)
+
+
+def _parts_of_long_piece(piece: str, letters: float) -> list[str]:
+    """A piece, at its commas where it is longer than a line."""
+    if _typeset_letter_count(piece) <= letters:
+        return [piece]
+    return re.split(r"(?<=,) ", piece)
 
 
 def _typeset_letter_count(line: str) -> int:

@@ -12,6 +12,7 @@ from matplotlib.lines import Line2D
 
 from remanent._typing import FloatArray
 from remanent.plots import ensemble, keys, missing, style
+from remanent.plots.backbones import draw_backbone
 from remanent.plots.footer import add_legend_and_footer
 
 __all__ = ["resonance_legend_entries", "response"]
@@ -30,6 +31,7 @@ def response(
     legend: bool = True,
     footer: bool = True,
     resonances: bool = True,
+    backbone: xr.Dataset | None = None,
     **line: Any,
 ) -> list[Line2D]:
     """Draw a frequency response, with its resonances and their brackets.
@@ -53,6 +55,8 @@ def response(
         Whether a new figure says below what made it; files say so in their metadata.
     resonances : bool
         Whether to mark resonances.
+    backbone : xarray.Dataset, optional
+        A result of ``backbone``, drawn where the load has the frequency of its oscillations.
     **line : Any
         Passed to matplotlib's ``plot``.
 
@@ -100,8 +104,9 @@ def response(
         missing.write_in_empty_frame(axes, members, "omega", variable)
         if legend:
             keys.add_colour_bar(axes, members)
+        free = draw_backbone(axes, backbone, dataset, variable)
         marks = resonance_legend_entries(dataset[extra], members, variable) if marked else []
-        entries = [*keys.line_legend_entries(members, variable), *marks, *gaps]
+        entries = [*keys.line_legend_entries(members, variable), *free, *marks, *gaps]
         add_legend_and_footer(axes, ax, dataset, entries, legend=legend, footer=footer)
     return artists
 

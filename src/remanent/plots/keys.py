@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.lines import Line2D
 
-from remanent.plots import colours, missing, style
+from remanent.plots import colour_bars, colours, missing, style
 from remanent.plots.ensemble import Member
 
 __all__ = ["add_colour_bar", "has_colour_bar", "line_legend_entries", "point_legend_entries"]
@@ -70,14 +70,12 @@ def add_colour_bar(axes: Axes, drawn: Sequence[Member]) -> None:
         In any order.
     """
     scale = drawn[0].scale if drawn else None
-    figure = axes.get_figure(root=True)
-    if scale is None or figure is None or not has_colour_bar(drawn):
+    if scale is None or not has_colour_bar(drawn):
         return
     source = ScalarMappable(scale.normalisation, scale.colour_map)
-    bar = figure.colorbar(source, ax=axes, fraction=0.05, pad=0.02, aspect=28, label=scale.name)
+    bar = colour_bars.add_colour_bar(axes, source, scale.name)
     numbers = [member.number for member in drawn if member.number is not None]
     bar.ax.set_ylim(min(numbers), max(numbers))
-    bar.outline.set_linewidth(0.5)
 
 
 def _entries(

@@ -3,16 +3,24 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from types import MappingProxyType
 
 import xarray as xr
 
 from remanent._errors import InputError
 from remanent.models.variable_text import VariableText
+from remanent.results.provenance import SYSTEM_ATTRIBUTE, read_plain_model
 from remanent.results.schema import describe
 
-__all__ = ["axis_label", "field_label", "format_number", "math_symbol", "value_label"]
+__all__ = [
+    "axis_label",
+    "field_label",
+    "format_number",
+    "lone_part_names",
+    "math_symbol",
+    "value_label",
+]
 
 
 def axis_label(array: xr.DataArray | xr.Variable, *, words: bool = True) -> str:
@@ -73,25 +81,42 @@ def value_label(array: xr.DataArray | xr.Variable, value: object) -> str:
     return f"{text} {units}" if units else text
 
 
-def field_label(name: object, own: Mapping[str, VariableText] = MappingProxyType({})) -> str:
-    """Return the meaning and the symbol of a field; the name itself where it has none.
+def field_label(
+    name: object,
+    own: Mapping[str, VariableText] = MappingProxyType({}),
+    lone: Collection[str] = (),
+) -> str:
+    r"""Return the meaning and the symbol of a field; the name itself where it has none.
 
     Parameters
     ----------
     name : object
     own : mapping of str to VariableText, optional
         What a system of the user's own says of its variables.
+    lone : collection of str, optional
+        Lists of parts with one entry, which needs no number; see :func:`lone_part_names`.
 
     Examples
     --------
     >>> field_label("c"), field_label("my gain")
     ('slenderness, $c$', 'my gain')
+    >>> field_label("dissipation.0.eta", lone=["dissipation"])
+    'viscosity, $\\eta$'
     """
+    part, _, rest = str(name).partition(".0.")
     try:
-        row = describe(str(name), own)
+        row = describe(f"{part}.{rest}" if rest and part in lone else str(name), own)
     except InputError:  # a field of the user's own
         return str(name)
     return f"{row.long_name}, ${row.symbol}$"
+
+
+def lone_part_names(dataset: xr.Dataset) -> frozenset[str]:
+    """Fields of the system that are lists of one part, such as ``dissipation``."""
+    table = read_plain_model(dataset, SYSTEM_ATTRIBUTE) or {}
+    return frozenset(
+        str(name) for name, part in table.items() if isinstance(part, list) and len(part) == 1
+    )
 
 
 def format_number(value: object) -> str:

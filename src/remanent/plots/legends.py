@@ -3,39 +3,92 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final, TypeVar
+from dataclasses import dataclass
+from typing import Any, Final, TypeVar
 
 import matplotlib as mpl
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.font_manager import FontProperties
 from matplotlib.lines import Line2D
-from matplotlib.textpath import text_to_path
+from matplotlib.text import Annotation
+from matplotlib.transforms import offset_copy
 
-__all__ = ["add_legend_above", "row_count"]
+from remanent.plots.text_fit import points, text_width, wrapped_text
 
-#: What stands beside a name, in sizes of its letters.
-_PARTS_BESIDE_NAME: Final = (
-    "legend.handlelength",
-    "legend.handletextpad",
-    "legend.columnspacing",
-)
-#: Height of a row of a legend, over the size of its letters.
-_LINE_HEIGHT_RATIO: Final = 1.7
+__all__ = ["add_legend_above", "height_above", "row_count"]
+
+#: Length of a sample, its distance from the name, and from one column to the next, in sizes of
+#: letters.
+_SAMPLE_LENGTH: Final = 1.6
+_DISTANCE_OF_NAME: Final = 0.5
+_DISTANCE_OF_COLUMNS: Final = 1.1
+#: Distance of a row from the next, and of the legend from what is below, in the same.
+_DISTANCE_OF_ROWS: Final = 0.35
+_DISTANCE_OF_LEGEND: Final = 0.2
+#: Blank around a legend, in the same.
+_PADDING: Final = 0.3
+#: Height of a line of text, in the same.
+_LINE_HEIGHT: Final = 1.2
+#: Largest share of the height of a figure that a legend takes.
+_MAX_HEIGHT_SHARE: Final = 0.24
+#: Smallest letters, and how much smaller the next try is, in points.
+_MIN_SIZE_POINTS: Final = 6.0
+_SIZE_STEP_POINTS: Final = 0.5
+#: Share of the width of a figure that is free beside a colour bar, and without one.
+_FREE_WIDTH_SHARE: Final = 0.93
+_FREE_WIDTH_SHARE_BESIDE_BAR: Final = 0.75
+#: Size of a note over that of a legend, and the lines that it has at most.
+_NOTE_SIZE_RATIO: Final = 0.875
+_MAX_NOTE_LINE_COUNT: Final = 2
+#: Name of the note in the axes that have one.
+_NOTE_GID: Final = "remanent.note"
+#: Where the legend is in axes without room above.
+_INSIDE: Final = "best"
 #: Width of a figure that is not known, in inches.
 _USUAL_FIGURE_WIDTH_INCHES: Final = 3.5
 
 _Entry = TypeVar("_Entry")
 
 
-def add_legend_above(owner: Axes | Figure, entries: Sequence[Artist]) -> None:
+@dataclass(frozen=True)
+class _Arrangement:
+    """How a legend is set.
+
+    Attributes
+    ----------
+    size : float
+        Of its letters, in points.
+    columns : int
+        How many entries lie side by side.
+    width, height : float
+        Of the whole, in points.
+    """
+
+    size: float
+    columns: int
+    width: float
+    height: float
+
+    @property
+    def looks(self) -> dict[str, Any]:
+        """Arguments of a legend of Matplotlib."""
+        return {
+            "ncols": self.columns, "fontsize": self.size, "handlelength": _SAMPLE_LENGTH,
+            "handletextpad": _DISTANCE_OF_NAME, "columnspacing": _DISTANCE_OF_COLUMNS,
+            "labelspacing": _DISTANCE_OF_ROWS, "borderaxespad": _DISTANCE_OF_LEGEND,
+            "borderpad": _PADDING,
+        }  # fmt: skip
+
+
+def add_legend_above(owner: Axes | Figure, entries: Sequence[Artist], note: str = "") -> None:
     """Put a legend above the axes or the figure, where it cannot hide data.
 
     Entries of a legend that the axes have already stay; of two that read the same the first
-    is kept.  A line alone needs no name, a mark or a patch alone does.  Where axes have a
-    title, or their figure makes no room above them, the legend goes inside, where it hides
-    least.
+    is kept.  A line alone needs no name, a mark or a patch alone does.  Where it would take
+    more than a quarter of the height its letters are smaller, down to 6 points.  Where axes
+    have a title, or their figure makes no room above them, the legend goes inside, where it
+    hides least.
 
     Parameters
     ----------
@@ -43,22 +96,37 @@ def add_legend_above(owner: Axes | Figure, entries: Sequence[Artist]) -> None:
         What the legend belongs to.
     entries : sequence of matplotlib.artist.Artist
         What it names, in order.
+    note : str
+        A sentence between legend and axes.
     """
     named = _unlike_entries([*_present_entries(owner), *entries])
-    if not entries or not named or (len(named) == 1 and _is_plain_line(named[0])):
-        return
+    if len(named) == 1 and _is_plain_line(named[0]):
+        named = []
     if isinstance(owner, Figure):
-        columns = _column_count(owner, named)
-        owner.legend(handles=_in_rows(named, columns), ncols=columns, loc="outside upper center")
+        if entries and named:
+            layout = _arrangement(owner, named)
+            owner.legend(
+                handles=_in_rows(named, layout.columns), loc="outside upper center", **layout.looks
+            )
         return
-    columns = _column_count(owner, named)
-    if _has_room_above(owner, -(-len(named) // columns)):
-        owner.legend(
-            handles=_in_rows(named, columns), ncols=columns, loc="lower left",
-            bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2,
-        )  # fmt: skip
-    else:
-        owner.legend(handles=named, loc="best")
+    if not (entries and named) and not note:
+        return
+    layout = _arrangement(owner, named)
+    if not _has_room_above(owner, layout.height):
+        inside = [*named, *([_entry_of_note(note)] if note else [])]
+        owner.legend(handles=inside, loc=_INSIDE, fontsize=layout.size)
+        return
+    below = _write_note(owner, note)
+    if not named:
+        return
+    # A legend that is wider than the axes reaches over the labels on their left.
+    is_wide = layout.width > _width_of(owner)
+    figure = owner.get_figure(root=True)
+    owner.legend(
+        handles=_in_rows(named, layout.columns), loc="lower right" if is_wide else "lower left",
+        bbox_to_anchor=(float(is_wide), 1.0), **layout.looks,
+        bbox_transform=offset_copy(owner.transAxes, figure, y=below, units="points"),
+    )  # fmt: skip
 
 
 def _present_entries(owner: Axes | Figure) -> list[Artist]:
@@ -87,16 +155,14 @@ def _is_plain_line(entry: Artist) -> bool:
     return entry.get_linestyle() not in nothing
 
 
-def _has_room_above(axes: Axes, rows: int) -> bool:
+def _has_room_above(axes: Axes, height: float) -> bool:
     """Whether a legend fits above the axes, or the figure makes room for it there."""
     figure = axes.get_figure(root=True)
     if figure is None or any(axes.get_title(loc=place) for place in ("left", "center", "right")):
         return False
     if figure.get_layout_engine() is not None:
         return True
-    font = FontProperties(size=mpl.rcParams["legend.fontsize"])
-    lines = rows * _LINE_HEIGHT_RATIO * font.get_size_in_points()
-    return bool((1.0 - axes.get_position().y1) * 72.0 * figure.get_figheight() >= lines)
+    return bool((1.0 - axes.get_position().y1) * 72.0 * figure.get_figheight() >= height)
 
 
 def _in_rows(entries: Sequence[_Entry], columns: int) -> list[_Entry]:
@@ -104,18 +170,107 @@ def _in_rows(entries: Sequence[_Entry], columns: int) -> list[_Entry]:
     return [entry for first in range(columns) for entry in entries[first::columns]]
 
 
-def _column_count(owner: Axes | Figure, entries: Sequence[Artist]) -> int:
-    """How many columns fit side by side, each as wide as its longest name."""
+def _arrangement(owner: Axes | Figure, entries: Sequence[Artist]) -> _Arrangement:
+    """The largest letters with which a legend takes at most a quarter of the height."""
+    largest = points(mpl.rcParams["legend.fontsize"])
     figure = owner if isinstance(owner, Figure) else owner.get_figure(root=True)
+    room = _MAX_HEIGHT_SHARE * 72.0 * figure.get_figheight() if figure is not None else 72.0
+    size = largest
+    found = _arrangement_at(owner, entries, size)
+    while found.height > room and size > _MIN_SIZE_POINTS:
+        size = max(size - _SIZE_STEP_POINTS, _MIN_SIZE_POINTS)
+        found = _arrangement_at(owner, entries, size)
+    return found
+
+
+def _arrangement_at(owner: Axes | Figure, entries: Sequence[Artist], size: float) -> _Arrangement:
+    """As many columns as fit side by side, each as wide as its longest name."""
+    if not entries:
+        return _Arrangement(size, 1, 0.0, 0.0)
+    beside = _SAMPLE_LENGTH + _DISTANCE_OF_NAME
+    names = [str(entry.get_label()) for entry in entries]
+    widths = [text_width(name, size) + beside * size for name in names]
+    room = _free_width(owner)
+    fitting = (k for k in range(len(entries), 1, -1) if _row_width(widths, k, size) <= room)
+    row_count = -(-len(entries) // next(fitting, 1))
+    # Of as many rows, those of about one length.
+    columns = next(k for k in range(1, len(entries) + 1) if k * row_count >= len(entries))
+    width = _row_width(widths, columns, size)
+    rows = [names[first : first + columns] for first in range(0, len(names), columns)]
+    lines = sum(max(name.count("\n") + 1 for name in row) for row in rows)
+    blank = len(rows) * _DISTANCE_OF_ROWS + 2.0 * _PADDING + _DISTANCE_OF_LEGEND
+    return _Arrangement(size, columns, width, (lines * _LINE_HEIGHT + blank) * size)
+
+
+def _row_width(widths: Sequence[float], columns: int, size: float) -> float:
+    """Width of a legend with columns as wide as their longest entry, in points."""
+    blank = (columns - 1) * _DISTANCE_OF_COLUMNS + 2.0 * _PADDING
+    return sum(max(widths[first::columns]) for first in range(columns)) + blank * size
+
+
+def _free_width(owner: Axes | Figure) -> float:
+    """Width that a legend may have, in points: that of the figure, or of its part for the axes."""
+    if isinstance(owner, Figure):
+        return _FREE_WIDTH_SHARE * 72.0 * owner.get_figwidth()
+    figure, place = owner.get_figure(root=True), owner.get_subplotspec()
     inches = figure.get_figwidth() if figure is not None else _USUAL_FIGURE_WIDTH_INCHES
-    width = 72.0 * inches * (owner.get_position().width if isinstance(owner, Axes) else 1.0)
-    widths = [_entry_width(str(entry.get_label())) for entry in entries]
-    fitting = (
-        columns
-        for columns in range(len(entries), 1, -1)
-        if sum(max(widths[first::columns]) for first in range(columns)) <= width
-    )
-    return next(fitting, 1)
+    if place is None or figure is None:
+        return 72.0 * inches * owner.get_position().width
+    grid = place.get_gridspec()
+    has_bar = any(other.get_label() == "<colorbar>" for other in figure.axes)
+    share = _FREE_WIDTH_SHARE_BESIDE_BAR if has_bar else _FREE_WIDTH_SHARE
+    return float(share * 72.0 * inches * len(place.colspan) / grid.ncols)
+
+
+def _width_of(axes: Axes) -> float:
+    """Width of axes beside labels of ticks that are words, in points."""
+    figure, place = axes.get_figure(root=True), axes.get_position()
+    points_of_figure = 72.0 * (figure.get_figwidth() if figure else _USUAL_FIGURE_WIDTH_INCHES)
+    size = points(mpl.rcParams["ytick.labelsize"])
+    words = [text_width(label.get_text(), size) for label in axes.get_yticklabels()]
+    beyond = max([*words, 0.0]) - place.x0 * points_of_figure
+    return float(points_of_figure * place.width - max(beyond, 0.0))
+
+
+def _write_note(axes: Axes, note: str) -> float:
+    """Write a note just above the axes, after those that are there; return its height."""
+    size = max(_NOTE_SIZE_RATIO * points(mpl.rcParams["legend.fontsize"]), _MIN_SIZE_POINTS)
+    present = _note_of(axes)
+    if present is not None and note:
+        note = " ".join(dict.fromkeys([*_lines(present), note]))
+        present.remove()
+    elif present is not None:
+        return _height_of_note(present)
+    if not note:
+        return 0.0
+    text = wrapped_text(note, _width_of(axes), size, _MAX_NOTE_LINE_COUNT)
+    written = axes.annotate(
+        text, (0.0, 1.0), xycoords="axes fraction", xytext=(0.0, 2.0), textcoords="offset points",
+        va="bottom", fontsize=size, style="italic", gid=_NOTE_GID, annotation_clip=False,
+    )  # fmt: skip
+    return _height_of_note(written)
+
+
+def _note_of(axes: Axes) -> Annotation | None:
+    """The note above axes, where there is one."""
+    notes = (text for text in axes.texts if text.get_gid() == _NOTE_GID)
+    return next((text for text in notes if isinstance(text, Annotation)), None)
+
+
+def _lines(note: Annotation) -> list[str]:
+    return [note.get_text().replace("\n", " ")]
+
+
+def _height_of_note(note: Annotation) -> float:
+    lines = note.get_text().count("\n") + 1
+    return float(_LINE_HEIGHT * lines * points(note.get_fontsize()) + 2.0)
+
+
+def _entry_of_note(note: str) -> Line2D:
+    """A note where only the legend has room for it."""
+    size = points(mpl.rcParams["legend.fontsize"])
+    text = wrapped_text(note, 20.0 * size, size, _MAX_NOTE_LINE_COUNT)
+    return Line2D([], [], linestyle="", marker="", label=text)
 
 
 def row_count(owner: Axes) -> int:
@@ -138,12 +293,22 @@ def row_count(owner: Axes) -> int:
     return sum(max(str(e.get_label()).count("\n") + 1 for e in row) for row in rows)
 
 
-def _entry_width(name: str) -> float:
-    """Width of an entry with its sample and the space beside it, in points."""
-    font = FontProperties(size=mpl.rcParams["legend.fontsize"])
-    beside = sum(float(mpl.rcParams[part]) for part in _PARTS_BESIDE_NAME)
-    longest = max(
-        text_to_path.get_text_width_height_descent(line, font, ismath="$" in line)[0]
-        for line in name.split("\n")
-    )
-    return float(longest + beside * font.get_size_in_points())
+def height_above(axes: Axes) -> float:
+    """Height of legend and note above axes, in points; 0 where they are inside.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        After :func:`add_legend_above`.
+
+    Returns
+    -------
+    float
+    """
+    note, legend = _note_of(axes), axes.get_legend()
+    height = _height_of_note(note) if note is not None else 0.0
+    if legend is None or legend._loc == 0:  # type: ignore[attr-defined]  # has no getter
+        return height
+    texts = legend.get_texts()
+    size = points(texts[0].get_fontsize()) if texts else 0.0
+    return height + (row_count(axes) * (_LINE_HEIGHT + _DISTANCE_OF_ROWS) + 1.0) * size

@@ -16,13 +16,15 @@ from matplotlib.patches import Patch
 from remanent._errors import InputError, shortened_repr
 from remanent._status import Status
 from remanent._typing import BoolArray, FloatArray
-from remanent.plots import colours, hatching, missing, regimes, style
+from remanent.plots import colour_bars, colours, hatching, missing, regimes, style
 from remanent.plots.footer import add_legend_and_footer
 
 __all__ = ["map"]
 
 #: Most whole numbers that get a colour and a tick each.
 _MAX_COUNT_COLOURS: Final = 10
+#: Matplotlib's colour map of numbers of both signs.
+_SIGNED_COLOUR_MAP: Final = "PuOr_r"
 #: Share of the numbers of a chart that its scale holds; a few outliers would take all colours.
 _SCALE_QUANTILES: Final = (0.01, 0.99)
 
@@ -143,12 +145,14 @@ def draw_map(
             artist = axes.pcolormesh(x, y, _colours_of_words(array.values, words), **looks)
             entries, bars = _colour_entries(words), []
         else:
-            artist, bars = _draw_numbers(axes, array, looks)
+            is_zero = _is_within_error(dataset, array)
+            artist, bars = _draw_numbers(axes, array, is_zero, looks)
+            entries = _entries_of_zero(array, is_zero)
         entries += hatching.hatch_cells(axes, x, y, lost)
         style.label_axes(axes, style.axis_label(dataset[across]), style.axis_label(dataset[down]))
         if legend:
             for source, text, ticks in bars:
-                _add_colour_bar(axes, source, text, ticks)
+                colour_bars.add_colour_bar(axes, source, text, ticks)
         add_legend_and_footer(axes, ax, dataset, entries, legend=legend, footer=footer)
     return artist
 
@@ -185,7 +189,7 @@ def _no_result_cells(empty: BoolArray, codes: Any) -> dict[str, BoolArray]:
 
 
 def _draw_numbers(
-    axes: Axes, array: xr.DataArray, looks: dict[str, Any]
+    axes: Axes, array: xr.DataArray, is_zero: BoolArray, looks: dict[str, Any]
 ) -> tuple[QuadMesh, list[_Bar]]:
     """A chart of numbers: counts in steps, signed ones about 0, others in one direction."""
     down, across = array.dims
@@ -204,13 +208,37 @@ def _draw_numbers(
             tones = ListedColormap(colormaps["cividis"](np.linspace(0.0, 1.0, steps.size)))
             artist = axes.pcolormesh(x, y, values, cmap=tones, norm=norm, **looks)
             return artist, [(artist, text, steps.tolist())]
-    low, high = (float(v) for v in np.quantile(finite, _SCALE_QUANTILES))
-    if low < 0.0 < high:
-        high = max(-low, high)
-        artist = axes.pcolormesh(x, y, values, cmap="PuOr_r", norm=Normalize(-high, high), **looks)
+    if finite.min() < 0.0 < finite.max():
+        known = values[~is_zero].compressed()
+        if known.size == 0:
+            artist = axes.pcolormesh(x, y, 0.0 * values, cmap=_SIGNED_COLOUR_MAP,
+                                     norm=Normalize(-1.0, 1.0), **looks)  # fmt: skip
+            return artist, []
+        high = float(np.abs(np.quantile(known, _SCALE_QUANTILES)).max())
+        values = np.ma.array(np.where(is_zero, 0.0, values), mask=values.mask)
+        scale = Normalize(-high, high)
+        artist = axes.pcolormesh(x, y, values, cmap=_SIGNED_COLOUR_MAP, norm=scale, **looks)
     else:
-        artist = axes.pcolormesh(x, y, values, cmap="cividis", norm=Normalize(low, high), **looks)
+        low, high = (float(v) for v in np.quantile(finite, _SCALE_QUANTILES))
+        scale = Normalize(low, high)
+        artist = axes.pcolormesh(x, y, values, cmap="cividis", norm=scale, **looks)
     return artist, [(artist, text, None)]
+
+
+def _is_within_error(dataset: xr.Dataset, array: xr.DataArray) -> BoolArray:
+    """Cells of a signed number that is smaller than its error, array (y, x)."""
+    error, values = dataset.get(f"{array.name}_error"), array.values
+    if error is None or error.dims != array.dims or not ((values < 0) & np.isfinite(values)).any():
+        return np.zeros(array.shape, dtype=np.bool_)
+    return np.asarray(np.abs(values) < error.values)
+
+
+def _entries_of_zero(array: xr.DataArray, is_zero: BoolArray) -> list[Patch]:
+    """Legend entry of cells whose number is 0 within its error, where there are any."""
+    if not is_zero.any():
+        return []
+    tone = colormaps[_SIGNED_COLOUR_MAP](0.5)
+    return _colour_entries({f"{style.math_symbol(array) or array.name} is 0 within error": tone})
 
 
 def _colours_of_words(values: Any, words: Mapping[str, str]) -> FloatArray:
@@ -227,18 +255,7 @@ def _word_colours(values: Any) -> dict[str, str]:
     return dict(zip(words, colours.category_colours(len(words)), strict=True))
 
 
-def _colour_entries(names: Mapping[str, str]) -> list[Patch]:
+def _colour_entries(names: Mapping[str, Any]) -> list[Patch]:
     """Legend entries of colours by name."""
     looks: dict[str, Any] = {"edgecolor": style.FAINT_COLOUR, "linewidth": 0.5}
     return [Patch(facecolor=tone, label=name, **looks) for name, tone in names.items()]
-
-
-def _add_colour_bar(axes: Axes, source: Any, text: str, ticks: Sequence[float] | None) -> None:
-    figure = axes.get_figure(root=True)
-    assert figure is not None
-    bar = figure.colorbar(source, ax=axes, fraction=0.05, pad=0.02, aspect=28, ticks=ticks)
-    bar.set_label(text)
-    bar.outline.set_linewidth(0.5)
-    if ticks is not None:
-        bar.ax.minorticks_off()
-        bar.ax.tick_params(length=0)

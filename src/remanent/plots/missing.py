@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Iterable, Sequence
 from typing import Any, Final
 
 import numpy as np
 import xarray as xr
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
@@ -21,7 +19,7 @@ __all__ = [
     "NO_RESULT",
     "cut_cloud_entries",
     "has_values",
-    "incomplete_entries",
+    "incomplete_note",
     "mark_ends",
     "mark_gaps",
     "status_words",
@@ -39,8 +37,6 @@ NO_RESULT: Final = "no result"
 _GAP_MARKER: Final = "|"
 #: Most clouds that stop early of which each is named.
 _MAX_CUT_CLOUD_COUNT: Final = 4
-#: Letters of a reason in one line of a legend.
-_REASON_LINE_LENGTH: Final = 44
 #: Most reasons that are written out.
 _MAX_REASON_COUNT: Final = 2
 
@@ -230,8 +226,8 @@ def write_in_empty_frame(axes: Axes, members: Sequence[Member], x: str, variable
         axes.set_xticks([])
 
 
-def incomplete_entries(dataset: xr.Dataset) -> list[Artist]:
-    """Legend entries that say a search or a branch stopped early, and what stopped it.
+def incomplete_note(dataset: xr.Dataset) -> str:
+    """A sentence that says that a search or a branch stopped early, and what stopped it.
 
     Parameters
     ----------
@@ -240,7 +236,7 @@ def incomplete_entries(dataset: xr.Dataset) -> list[Artist]:
 
     Returns
     -------
-    list of matplotlib.artist.Artist
+    str
         Empty where nothing stopped early.
     """
     status = dataset["status"].values if "status" in dataset else np.asarray(
@@ -248,12 +244,10 @@ def incomplete_entries(dataset: xr.Dataset) -> list[Artist]:
     )  # fmt: skip
     early = np.ravel(status == int(Status.INCOMPLETE))
     if not early.any():
-        return []
+        return ""
     where = f" ({int(early.sum())} of {early.size})" if early.size > 1 else ""
     reasons = _reasons(dataset, early)
-    text = f"{Status.INCOMPLETE.meaning}{where}" + (f": {'; '.join(reasons)}" if reasons else "")
-    lines = "\n".join(textwrap.wrap(text, _REASON_LINE_LENGTH))
-    return [Line2D([], [], linestyle="", marker="$!$", color=style.ink_colour(), label=lines)]
+    return f"{Status.INCOMPLETE.meaning}{where}" + (f": {'; '.join(reasons)}" if reasons else "")
 
 
 def _reasons(dataset: xr.Dataset, early: NDArray[Any]) -> list[str]:

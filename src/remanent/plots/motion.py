@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Final, TypeVar
 
 import numpy as np
@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PathCollection
 from matplotlib.lines import Line2D
 
+from remanent._typing import FloatArray
 from remanent.plots import ensemble, keys, missing, style
 from remanent.plots.footer import add_legend_and_footer
 from remanent.results.provenance import observable_name
@@ -32,6 +33,14 @@ _MAX_POINT_AREA: Final = 6.0
 _OPEN_POINT_AREA_RATIO: Final = 4.0
 #: Width of the line around an open point, in points.
 _OPEN_POINT_LINE_WIDTH: Final = 0.6
+#: Width of a line with few turns, of one with very many, in points, and its opacity there.
+_USUAL_LINE_WIDTH: Final = 1.0
+_MIN_LINE_WIDTH: Final = 0.3
+_MIN_OPACITY: Final = 0.6
+#: Turns of a history for each point of width, and of an orbit in a plane, from which lines are
+#: drawn thinner.
+_MANY_TURNS_PER_POINT: Final = 0.25
+_MANY_TURNS_IN_PLANE: Final = 20.0
 #: Dimensions along which a motion runs.
 _TIME_DIMENSIONS: Final = ("time", "cycle")
 
@@ -97,6 +106,7 @@ def history(
         members, artists = _draw_members(
             axes, dataset, "time", variable, _TIME_DIMENSIONS, _draw_line, line
         )
+        _thin_crowded(artists, line, _MANY_TURNS_PER_POINT * _axes_width(axes))
         axes.margins(x=0.0)
         ends = missing.mark_ends(axes, members, "time", variable)
         _add_keys(
@@ -170,6 +180,7 @@ def phase(
     with style.context_of(ax):
         axes = style.given_or_new_axes(ax, height=3.1)
         members, artists = _draw_members(axes, dataset, x, y, _TIME_DIMENSIONS, _draw_line, line)
+        _thin_crowded(artists, line, _MANY_TURNS_IN_PLANE)
         if start:
             # In the order of the members: that of a set of NaN would change from run to run.
             begun = [m for m in members if m.data[x].size]
@@ -303,6 +314,43 @@ def _draw_line(axes: Axes, member: ensemble.Member, x: str, y: str, line: dict[s
     return artist
 
 
+def _thin_crowded(artists: Sequence[Line2D], given: Mapping[str, Any], many: float) -> None:
+    """Draw lines of many turns thin and light, and small motions over large ones.
+
+    Parameters
+    ----------
+    artists : sequence of matplotlib.lines.Line2D
+        What was drawn.
+    given : mapping
+        What the user says of lines, which stays.
+    many : float
+        Turns from which a line gets thinner.
+    """
+    crowding = max((_turn_count(artist) for artist in artists), default=0) / many
+    if crowding <= 1.0:
+        return
+    sizes = [float(np.prod(_extent_of(artist))) for artist in artists]
+    for rank, k in enumerate(np.argsort(sizes)[::-1]):
+        if not {"zorder"} & set(given):
+            artists[k].set_zorder(2.0 + 0.5 * rank / len(artists))
+        if not {"lw", "linewidth", "alpha"} & set(given):
+            width = max(_USUAL_LINE_WIDTH / crowding, _MIN_LINE_WIDTH)
+            artists[k].set(linewidth=width, alpha=max(1.0 / crowding, _MIN_OPACITY))
+
+
+def _turn_count(artist: Line2D) -> int:
+    """How often what is drawn has a maximum."""
+    values = np.asarray(artist.get_ydata(), dtype=np.float64)
+    return int((np.diff(np.sign(np.diff(values[np.isfinite(values)]))) < 0.0).sum())
+
+
+def _extent_of(artist: Line2D) -> FloatArray:
+    """Width and height of what is drawn, array (2,)."""
+    points = np.asarray(artist.get_xydata(), dtype=np.float64)
+    points = points[np.isfinite(points).all(axis=1)]
+    return np.ptp(points, axis=0) if len(points) else np.zeros(2)
+
+
 def _draw_points(
     axes: Axes, member: ensemble.Member, x: str, y: str, points: dict[str, Any]
 ) -> PathCollection:
@@ -323,6 +371,13 @@ def _draw_points(
     if is_open and "color" not in points and "facecolors" not in points:
         looks |= {"facecolors": "none", "edgecolors": looks.pop("color")}
     return axes.scatter(across.values, up.values, **looks)
+
+
+def _axes_width(axes: Axes) -> float:
+    """Width of axes in points, before room for labels is made."""
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    return float(72.0 * figure.get_figwidth() * axes.get_position().width)
 
 
 def _axes_area(axes: Axes) -> float:

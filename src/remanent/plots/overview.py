@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from remanent._errors import InputError
+from remanent.plots.balances import energy_balance
 from remanent.plots.basins import basins
 from remanent.plots.branches import branch
 from remanent.plots.curves import curve
@@ -19,6 +21,7 @@ from remanent.plots.forced import response
 from remanent.plots.labels import axis_label
 from remanent.plots.maps import map as chart
 from remanent.plots.motion import history, section
+from remanent.plots.peaks import resonances
 
 #: Endings of the files of pictures.
 _PICTURES = (".png", ".svg", ".pdf")
@@ -34,14 +37,18 @@ _LAST_VARIABLES = frozenset({"status", "drive_period", "residual", "horizon", "l
 #: What tells of the kind of a result: a dimension or a variable of its own, and how it is drawn.
 _DRAWN_BY_MARK: tuple[tuple[str, Callable[..., Any]], ...] = (
     ("point", branch),
+    ("resonance_kind", resonances),
+    ("balance", energy_balance),
     ("equilibrium", equilibria),
     ("cycle", history),
     ("time", history),
     ("section_phase", section),
     ("resonance", response),
 )
-#: Dimensions that verbs give to the grid, along which lines are drawn.
-_LINE_DIMENSIONS = frozenset({"omega"})
+#: Dimensions that verbs give to the grid, along which lines or marks are drawn.
+_LINE_DIMENSIONS: Mapping[Callable[..., Any], tuple[str, ...]] = MappingProxyType(
+    {response: ("omega",), resonances: ("peak",)}
+)
 
 
 def overview(dataset: xr.Dataset, *, ax: Axes | None = None, footer: bool = True) -> Any:
@@ -96,9 +103,9 @@ def overview(dataset: xr.Dataset, *, ax: Axes | None = None, footer: bool = True
         if mark in varied:
             continue
         if mark in dataset.variables or mark in dataset.dims or mark in dataset.attrs:
-            across = [d for d in varied if draw is not response or d not in _LINE_DIMENSIONS]
-            words = _words_of(dataset, draw)
-            return draw(_few_lines(dataset, across), ax=ax, footer=footer, **words)
+            across = [d for d in varied if d not in _LINE_DIMENSIONS.get(draw, ())]
+            shown = _middle_of if draw is energy_balance else _few_lines
+            return draw(shown(dataset, across), ax=ax, footer=footer)
     if "regime" in dataset and len(varied) > 1:
         return chart(_middle_of(dataset, varied[:-2]), "regime", ax=ax, footer=footer)
     lists = {dim: 0 for dim, size in dataset.sizes.items() if dim not in varied and size}
@@ -141,11 +148,6 @@ def save_overview(dataset: xr.Dataset, path: Path) -> None:
     overview(dataset)
     plt.savefig(path)
     plt.close("all")
-
-
-def _words_of(dataset: xr.Dataset, draw: Callable[..., Any]) -> dict[str, str]:
-    """What a function has to be told of results that do not have what it usually draws."""
-    return {"variable": "stored_energy"} if draw is history and "stored_energy" in dataset else {}
 
 
 def _curves_of_bifurcations(dataset: xr.Dataset, varied: list[str], ax: Axes | None) -> Any:

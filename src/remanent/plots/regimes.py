@@ -100,10 +100,10 @@ def regime_bars(
         scale = Normalize(0.0, _largest_chaotic_exponent(dataset))
         source = ScalarMappable(scale, colours.CHAOS_COLOUR_MAP)
         exponent = axis_label(dataset["exponent"], words=False)
-        bars.append((source, f"chaotic: exponent {exponent}"))
+        bars.append((source, f"chaotic: exponent, {exponent}"))
     if "quasi-periodic" in values and "rotation_number" in dataset:
         source = ScalarMappable(_torus_scale(dataset, spread_tori), colours.TORUS_COLOUR_MAP)
-        bars.append((source, "quasi-periodic: rotation number $\\nu$"))
+        bars.append((source, "quasi-periodic: rotation number, $\\nu$"))
     return bars
 
 

@@ -17,12 +17,11 @@ from typing import Any, Final
 import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.font_manager import FontProperties
-from matplotlib.textpath import text_to_path
 
 from remanent.plots.colours import OKABE_ITO_COLOURS, temperature_colours
 from remanent.plots.labels import axis_label, format_number, math_symbol, value_label
-from remanent.plots.legends import add_legend_above
+from remanent.plots.legends import add_legend_above, height_above
+from remanent.plots.text_fit import broken_text, points, text_width
 
 __all__ = [
     "DOUBLE_COLUMN_WIDTH_INCHES",
@@ -33,6 +32,7 @@ __all__ = [
     "axis_label",
     "context",
     "context_of",
+    "fit_label",
     "format_number",
     "given_or_new_axes",
     "ink_colour",
@@ -61,6 +61,8 @@ FAINT_COLOUR: Final = "#767676"
 
 #: Longest label of an axis, as a share of its length before room for other things is made.
 _LABEL_SHARE: Final = 0.85
+#: Name of a label that is ours, and not the user's.
+_LABEL_GID: Final = "remanent.label"
 #: Dots per inch of pictures in pixels.
 _PIXEL_RESOLUTION_DPI: Final = 300
 #: Dots per inch of what is drawn as pixels inside pictures in vectors.
@@ -270,9 +272,10 @@ def ink_colour() -> str:
 
 
 def label_axes(axes: Axes, across: str, up: str) -> None:
-    """Label axes; a label that is there already stays, and none is longer than its axis.
+    """Label axes; a label that is there already stays.
 
-    Of panels that share a horizontal axis only the last is labelled.
+    Of panels that share a horizontal axis only the last is labelled, of those that share a
+    vertical one only the first.
 
     Parameters
     ----------
@@ -282,29 +285,39 @@ def label_axes(axes: Axes, across: str, up: str) -> None:
         Labels of the horizontal and of the vertical axis.
     """
     place = axes.get_subplotspec()
-    is_shared = len(axes.get_shared_x_axes().get_siblings(axes)) > 1
-    is_inner = is_shared and place is not None and not place.is_last_row()
-    if not axes.get_xlabel() and not is_inner:
+    shares_x = len(axes.get_shared_x_axes().get_siblings(axes)) > 1
+    shares_y = len(axes.get_shared_y_axes().get_siblings(axes)) > 1
+    if not axes.get_xlabel() and (place is None or place.is_last_row() or not shares_x):
         axes.set_xlabel(across)
-    if not axes.get_ylabel():
-        axes.set_ylabel(_wrapped_label(up, axes))
+    if not axes.get_ylabel() and (place is None or place.is_first_col() or not shares_y):
+        axes.set_ylabel(up, gid=_LABEL_GID)
+        fit_label(axes)
 
 
-def _wrapped_label(text: str, axes: Axes) -> str:
-    """A label of the vertical axis, in two lines where it would be longer than the axis."""
-    figure = axes.get_figure(root=True)
-    if figure is None:
-        return text
-    font = FontProperties(size=mpl.rcParams["axes.labelsize"])
-    length = text_to_path.get_text_width_height_descent(text, font, ismath="$" in text)[0]
-    room = 72.0 * figure.get_figheight() * axes.get_position().height
-    words = text.split(" ")
-    if length <= _LABEL_SHARE * room or len(words) < 2:
-        return text
-    # The break that leaves the longer line shortest.
-    breaks = ((" ".join(words[:k]), " ".join(words[k:])) for k in range(1, len(words)))
-    fitting = [pair for pair in breaks if pair[0].count("$") % 2 == 0]
-    return "\n".join(min(fitting, key=lambda pair: max(map(len, pair)))) if fitting else text
+def fit_label(axes: Axes) -> None:
+    """Break our label of the vertical axis where it is longer than the axis under its legend.
+
+    Where nothing makes room for a second line, and where three do not suffice, the symbol with
+    its unit stands for the whole.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Labelled by :func:`label_axes`; a label of the user's stays as it is.
+    """
+    figure, label = axes.get_figure(root=True), axes.yaxis.label
+    if figure is None or label.get_gid() != _LABEL_GID:
+        return
+    place, inch = axes.get_position(), 72.0 * figure.get_figheight()
+    above = height_above(axes) - (1.0 - place.y1) * inch
+    room = _LABEL_SHARE * (place.height * inch - max(above, 0.0))
+    size = points(label.get_fontsize())
+    whole = label.get_text().replace("\n", " ")
+    text = broken_text(whole, room, size)
+    is_crowded = "\n" in text and figure.get_layout_engine() is None
+    if is_crowded or text_width(text, size) > place.height * inch - max(above, 0.0):
+        text = whole.rpartition(", ")[2]
+    axes.set_ylabel(text)
 
 
 def save_figure(figure: Figure, path: str | os.PathLike[str]) -> Path:

@@ -18,8 +18,8 @@ from remanent.report.figures import keep_only_outer_labels, make_panel_grid
 
 __all__ = ["draw_chaos_map", "draw_jump_at_resonance", "draw_response_branches"]
 
-#: Colour of the motion from rest.
-_FROM_REST_COLOUR = style.OKABE_ITO_COLOURS["orange"]
+#: Colour of the motion from rest: that of no temperature.
+_FROM_REST_COLOUR = style.INK_COLOUR
 #: Colours of the motions below and above the jump.
 _JUMP_SIDE_COLOURS = (style.OKABE_ITO_COLOURS["blue"], style.OKABE_ITO_COLOURS["vermillion"])
 #: Diameters of their points: the first shows below the second where they agree.

@@ -89,6 +89,8 @@ def draw_solver_comparison(sections: xr.Dataset, drift: xr.Dataset) -> Figure:
             )
         below = [figure.add_subplot(grid[rows, 2 * k : 2 * k + 2]) for k in range(columns // 2)]
         _draw_drifts(below, drift)
+        for k, axes in enumerate(below):
+            _write_letter(axes, rows * columns + k)
         members = ensemble.split_into_members(drift.isel(prestress=0), ("energy_drift",), ("time",))
         behind = Line2D([], [], color=_BACKGROUND_COLOUR, linestyle="", marker="o", ms=3,
                         label=f"{sections['solver'].values[0]}, behind the other")  # fmt: skip
@@ -146,11 +148,18 @@ def _draw_section_pair(
         ax.set(xlabel=style.axis_label(dataset["thickness_stretch"], words=False) if last else "")
         ax.set(ylabel=(f"{temperature}\n{rate}" if column == 0 else rate) if k == 0 else "")
         ax.tick_params(labelleft=k == 0, labelsize=6.5)
+        _write_letter(ax, row * grid.ncols + 2 * column + k)
     if row == 0:
         coordinates = [dataset[n] for n in ("prestress", "omega") if n in dataset.coords]
         case = ", ".join(style.value_label(value, value.item()) for value in coordinates)
         first.set_title(f"{case}\n{dataset['solver'].values[0]}")
         second.set_title(f"\n{dataset['solver'].values[1]}")
+
+
+def _write_letter(ax: Axes, number: int) -> None:
+    """Write the letter of a panel in its corner."""
+    ax.text(0.03, 0.97, f"({'abcdefghijklmnopqrstuvwxyz'[number]})", transform=ax.transAxes,
+            va="top", fontsize=7.0)  # fmt: skip
 
 
 def _draw_drifts(below: Sequence[Axes], drift: xr.Dataset) -> None:
@@ -186,5 +195,5 @@ def _draw_misfit(ax: Axes, dataset: xr.Dataset, scale: LogNorm) -> Any:
     i, j = np.unravel_index(np.nanargmin(z), z.shape)
     ax.plot(x.values[j], y.values[i], "o", color=_MINIMUM_COLOUR, mec="white", mew=0.7, ms=4.5)
     ax.text(0.03, 0.04, f"least {z[i, j]:.2g}", transform=ax.transAxes, color="white")
-    ax.set(xlabel=style.axis_label(x, words=False), ylabel=style.axis_label(y, words=False))
+    ax.set(xlabel=style.axis_label(x), ylabel=style.axis_label(y))
     return drawn

@@ -126,7 +126,9 @@ def draw_figure_5_or_6(history: xr.Dataset, section: xr.Dataset) -> Figure:
             style.set_panel_title(
                 axes[1], _panel_letter(2 * row + 1), r"strobed every $2\pi/\omega$"
             )
-            style.set_panel_title(axes[2], "", r"strobed every $\pi/\omega$")
+            # The article has no third column: its letters go on after those of the article.
+            letter = _panel_letter(2 * len(temperatures) + row)
+            style.set_panel_title(axes[2], letter, r"strobed every $\pi/\omega$")
         keep_only_outer_labels(grid, x=True, y=False)
         style.add_legend_above(figure, _even_and_odd_period_legend_entries())
         footer.add_footer(figure, section)

@@ -160,7 +160,7 @@ def test_a_search_that_stopped_early_shows_its_reason(draw: Any, as_variable: bo
         dataset = dataset.assign_attrs(reason=reason)
     axes = Figure(layout="constrained").add_subplot()
     draw(dataset, ax=axes)
-    said = " ".join(texts(axes)).replace("\n", " ")
+    said = " ".join(text.get_text() for text in axes.texts).replace("\n", " ")
     assert "incomplete" in said
     assert reason in said
 
@@ -175,4 +175,4 @@ def test_measurements_that_are_missing_are_counted() -> None:
                 "quantity": ("observation", ["thickness_stretch"] * 3)},
     )  # fmt: skip
     found = texts(axes_of(plots.fit(dataset)))
-    assert found[2:] == ["1 of 3 not measured", "1 of 3 without a prediction"]
+    assert {"1 of 3 not measured", "1 of 3 without a prediction"} < set(found)

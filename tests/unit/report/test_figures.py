@@ -91,12 +91,12 @@ def test_nothing_sticks_out(kind: str) -> None:
 
 
 def test_panels_of_figure_5_are_lettered_as_published() -> None:
-    """Rows are temperatures; (a, c, e) are histories and (b, d, f) phase planes."""
+    """Rows are temperatures; (a, c, e) are histories, (b, d, f) phase planes, ours come after."""
     figure = figures.draw_figure_5_or_6(
         synthetic.forced(0.0, 1.25, 10.0), synthetic.sections(0.0, 1.25, 12)
     )
     titles = [axes.get_title(loc="left") for axes in figure.axes]
-    assert [title[:3] for title in titles if title.startswith("(")] == [f"({k})" for k in "abcdef"]
+    assert [title[:3] for title in titles] == [f"({k})" for k in "abgcdhefi"]
     assert "250" in titles[0]
     assert "400" in titles[6]
 
@@ -122,6 +122,14 @@ def test_every_second_period_is_drawn_in_the_phase_plane() -> None:
     counts = [sum(len(np.asarray(c.get_offsets())) for c in axes.collections)
               for axes in figure.axes[1:3]]  # fmt: skip
     assert counts == [7, 13]
+
+
+def test_every_panel_of_the_comparison_has_a_letter() -> None:
+    """From (a) to (n), in rows."""
+    axes = evidence_figures.draw_solver_comparison(
+        synthetic.two_tolerances(12), synthetic.drift(10.0)
+    ).axes
+    assert [one.texts[0].get_text() for one in axes] == [f"({k})" for k in "abcdefghijklmn"]
 
 
 def test_pairs_of_sections_share_their_scale() -> None:
