@@ -103,7 +103,9 @@ class EquilibriaOptions(Table):
     state_box: dict[str, _Range] | None = None
 
 
-_OverFrequencies = TypeVar("_OverFrequencies", FrequencyResponseOptions, ResponseDiagramOptions)
+_OverFrequencies = TypeVar(
+    "_OverFrequencies", bound=FrequencyResponseOptions | ResponseDiagramOptions
+)
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 
 import remanent as rm
-from remanent.plots.missing import incomplete_entries
+from remanent.plots.missing import incomplete_note
 from remanent.studies.orbits import (
     _grid_search,
     _search,
@@ -44,7 +44,7 @@ def test_the_reason_reaches_the_result_and_its_figure(
     complete = VERBS[verb]()
     assert int(complete.status) == rm.Status.OK
     assert not str(complete.reason.values)
-    assert not incomplete_entries(complete)
+    assert not incomplete_note(complete)
 
     def search(*arguments: Any) -> list[Any]:
         return [replace(one, reason=WHY) for one in _search.search_orbits(*arguments)]
@@ -54,8 +54,7 @@ def test_the_reason_reaches_the_result_and_its_figure(
     ds = VERBS[verb]()
     assert int(ds.status) == rm.Status.INCOMPLETE
     assert WHY in str(ds.reason.values)
-    (entry,) = incomplete_entries(ds)
-    assert WHY in str(entry.get_label()).replace("\n", " ")
+    assert WHY in incomplete_note(ds)
 
 
 def test_a_start_that_was_given_needs_no_search() -> None:
