@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Annotated, Any, Final, TypeVar
+from typing import Annotated, Any, Final, TypeAlias
 
 import numpy as np
 import xarray as xr
@@ -103,9 +103,7 @@ class EquilibriaOptions(Table):
     state_box: dict[str, _Range] | None = None
 
 
-_OverFrequencies = TypeVar(
-    "_OverFrequencies", bound=FrequencyResponseOptions | ResponseDiagramOptions
-)
+_OverFrequencies: TypeAlias = FrequencyResponseOptions | ResponseDiagramOptions
 
 
 @dataclass(frozen=True)
