@@ -133,6 +133,16 @@ class PiecewiseDrive(Drive):
         a0, a1, a2, a3 = (p[name] for name in self.piece_parameter_names)
         return a0 + phase * (a1 + phase * (a2 + phase * a3))
 
+    def piece_parameters_in_time(self, p: Mapping[str, Any], tau: Any) -> Mapping[str, Any]:
+        """The coefficients of the first piece, which begins at 0."""
+        first = self.piece_coefficients()[:, 0]
+        return {
+            name: coefficient * tau**k
+            for k, (name, coefficient) in enumerate(
+                zip(self.piece_parameter_names, first, strict=True)
+            )
+        }
+
     def load_schedule(self, values: Mapping[str, FloatArray], duration: FloatArray) -> LoadSchedule:
         """One piece from each time to the next; the last ends with the trajectory."""
         ends = self._require_covered(
