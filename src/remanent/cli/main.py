@@ -77,7 +77,7 @@ def main() -> None:
         error.show()
         sys.exit(error.exit_code)
     except (click.exceptions.Abort, KeyboardInterrupt):
-        click.echo("interrupted", err=True)
+        click.echo("Interrupted.", err=True)
         sys.exit(_INTERRUPTED_EXIT_CODE)
     except (RemanentError, OSError) as error:
         click.echo(f"remanent: {error}", err=True)

@@ -39,7 +39,7 @@ _PART_FIELDS: Final = (*_SINGLE_PART_FIELDS, "dissipation")
 
 #: The rule of both temperatures.
 _TEMPERATURE_RULE: Final = _checks.positive_rule(
-    "It is an absolute temperature in kelvin.", "For t degrees Celsius pass t + 273.15."
+    "It is an absolute temperature in kelvin.", "Pass t + 273.15 for t degrees Celsius."
 )
 
 

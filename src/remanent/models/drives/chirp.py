@@ -57,7 +57,8 @@ class Chirp(Drive):
             "start": _SWEEP_FREQUENCY_RULE,
             "stop": _SWEEP_FREQUENCY_RULE,
             "duration": _checks.positive_rule(
-                "It is how long the sweep takes.", "For a single frequency use Sine."
+                "It is how long the sweep takes.",
+                "Pass a time above 0; a load of one frequency is rm.Sine.",
             ),
             "mean": LOAD_RULE,
             "phase": PHASE_RULE,

@@ -71,7 +71,7 @@ class PiecewiseDrive(Drive):
                 must=f"have at least {self.min_entries} entries",
                 got=len(times),
                 why="A signal is interpolated between samples.",
-                fix="For a load that does not change use Constant.",
+                fix="Add entries; a load that does not change is rm.Constant.",
             )
         if len(loads) != len(times):
             raise InputError(

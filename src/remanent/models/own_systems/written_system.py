@@ -374,7 +374,7 @@ def require_known(argument: str, names: Iterable[str], known: Sequence[str], wha
                 must=f"name {what} only",
                 got=repr(name),
                 why="A name that means nothing is probably misspelt.",
-                fix=f"There are: {', '.join(known)}.",
+                fix=f"Name one of: {', '.join(known)}.",
             )
 
 
