@@ -126,9 +126,9 @@ def part_texts(
             part = SYNONYMS.get(part, part)
         if part in PARTS:
             found[part] = keyword.value
-    for part, argument in zip(POSITIONAL.get(name, ()), node.args, strict=False):
-        if part is not None:
-            found[part] = argument
+    for place_of, argument in zip(POSITIONAL.get(name, ()), node.args, strict=False):
+        if place_of is not None:
+            found[place_of] = argument
     if name in WHOLE:
         place, keyword_name = WHOLE[name]
         by_name = {str(one.arg): one.value for one in node.keywords}
