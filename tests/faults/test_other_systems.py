@@ -259,7 +259,7 @@ def test_letters_that_differ_in_capitals_make_a_store_where_they_can(
 
 def test_a_port_is_taken_by_one_program_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     """On Windows another option says so than elsewhere."""
-    monkeypatch.setattr(listening.sockets, "SO_EXCLUSIVEADDRUSE", -5, raising=False)
+    monkeypatch.setattr(socket, "SO_EXCLUSIVEADDRUSE", -5, raising=False)
     assert listening._address_option() == -5
-    monkeypatch.delattr(listening.sockets, "SO_EXCLUSIVEADDRUSE")
+    monkeypatch.delattr(socket, "SO_EXCLUSIVEADDRUSE")
     assert listening._address_option() == socket.SO_REUSEADDR
