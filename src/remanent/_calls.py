@@ -124,5 +124,9 @@ def _unknown_argument_error(name: str, title: str, known: Sequence[str]) -> Inpu
         must=f"be an argument of {title}",
         got=f"{name}=...",
         why="Unknown names are refused so that a misspelling does not go unnoticed.",
-        fix=f"{meant}Its arguments are: {', '.join(known) or 'none'}.",
+        fix=f"{meant}{_choose_argument(known)}",
     )
+
+
+def _choose_argument(known: Sequence[str]) -> str:
+    return f"Pass one of its arguments: {', '.join(known)}." if known else "Leave it out."

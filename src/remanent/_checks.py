@@ -172,7 +172,7 @@ def require_known_names(names: Iterable[str], known: Iterable[str], owner: str) 
                 must=f"be a field of {owner}",
                 got=shortened_repr(name),
                 why="Unknown fields are refused so that a misspelling does not go unnoticed.",
-                fix=f"Its fields are: {', '.join(fields) or 'none'}.",
+                fix=f"Name one of its fields: {', '.join(fields)}." if fields else "Leave it out.",
             )
 
 
@@ -194,7 +194,7 @@ def require_field_names(name: str, value: object, known: Iterable[str], owner: s
     fields = list(known)
     message = {
         "why": "Only fields that enter the equations can be chosen.",
-        "fix": f"Its fields are: {', '.join(fields)}.",
+        "fix": f"Name some of its fields: {', '.join(fields)}.",
     }
     is_scalar = getattr(names, "ndim", 1) == 0  # iterable by its type only
     entries: list[str] = []

@@ -9,6 +9,8 @@ from typing import Final
 
 #: Packages between a call of this one and the warning: itself, and what makes its values.
 _OWN_PACKAGES: Final = frozenset({"remanent", "dataclasses"})
+#: What to do about what only a mistake in this package leads to.
+FAULT: Final = "Report this as a fault of remanent."
 #: Longest rule that a message states, in characters; some list the names that there are.
 _MAX_RULE_CHARACTERS: Final = 1500
 #: Longest value that a message shows, in characters.

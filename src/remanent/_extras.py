@@ -38,5 +38,6 @@ def require_extra(extra: str, purpose: str) -> None:
     missing = [name for name in PACKAGES_OF_EXTRA[extra] if find_spec(name) is None]
     if missing:
         raise RemanentError(
-            f"{purpose} needs {', '.join(missing)}: pip install 'remanent[{extra}]'"
+            f"{purpose[:1].upper()}{purpose[1:]} needs {', '.join(missing)}. "
+            f"Install it with `pip install 'remanent[{extra}]'`."
         )

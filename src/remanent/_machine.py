@@ -6,6 +6,7 @@ the process (``ulimit``) and by limits on its control group (a container, a batc
 
 from __future__ import annotations
 
+import ctypes
 import os
 from collections.abc import Iterator
 from contextlib import suppress
@@ -49,7 +50,28 @@ def _physical_memory_bytes() -> float:
     try:
         return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
     except (AttributeError, ValueError, OSError):
-        return _ASSUMED_MEMORY_BYTES
+        return _windows_memory_bytes() or _ASSUMED_MEMORY_BYTES
+
+
+class _MemoryStatus(ctypes.Structure):
+    """What ``GlobalMemoryStatusEx`` of Windows fills in."""
+
+    _fields_ = (
+        ("length", ctypes.c_uint32),
+        ("load", ctypes.c_uint32),
+        ("physical", ctypes.c_uint64),
+        *((f"other_{k}", ctypes.c_uint64) for k in range(6)),
+    )
+
+
+def _windows_memory_bytes() -> float | None:
+    """Bytes that a machine with Windows has; None on another system."""
+    library = getattr(ctypes, "windll", None)
+    if library is None:
+        return None
+    status = _MemoryStatus(length=ctypes.sizeof(_MemoryStatus))
+    told = library.kernel32.GlobalMemoryStatusEx(ctypes.byref(status))
+    return float(status.physical) if told else None
 
 
 def _process_limits_bytes() -> Iterator[float]:
@@ -58,8 +80,10 @@ def _process_limits_bytes() -> Iterator[float]:
         import resource
     except ImportError:  # Windows
         return
-    for limit in (resource.RLIMIT_AS, resource.RLIMIT_DATA):
-        soft, _ = resource.getrlimit(limit)
+    for name in ("RLIMIT_AS", "RLIMIT_DATA"):
+        if not hasattr(resource, name):  # not every system limits both
+            continue
+        soft, _ = resource.getrlimit(getattr(resource, name))
         if soft != resource.RLIM_INFINITY:
             yield max(float(soft) - _mapped_bytes(), 0.0)
 
@@ -67,8 +91,9 @@ def _process_limits_bytes() -> Iterator[float]:
 def _mapped_bytes() -> float:
     """Bytes of address space that this process has taken already; 0 where it is not told."""
     try:
-        return float(_OWN_MEMORY.read_text().split()[0]) * os.sysconf("SC_PAGE_SIZE")
-    except (OSError, ValueError, IndexError):
+        pages = _OWN_MEMORY.read_text(encoding="utf-8").split()[0]
+        return float(pages) * os.sysconf("SC_PAGE_SIZE")
+    except (AttributeError, OSError, ValueError, IndexError):
         return 0.0
 
 
@@ -81,7 +106,7 @@ def _control_group_limits_bytes(
     for at the root of the hierarchy too.
     """
     with suppress(OSError):
-        for line in own.read_text().splitlines():
+        for line in own.read_text(encoding="utf-8").splitlines():
             _, controllers, name = line.split(":", 2)
             if controllers and "memory" not in controllers.split(","):
                 continue
@@ -91,4 +116,4 @@ def _control_group_limits_bytes(
             group = Path(name.lstrip("/"))
             for folder in (base / group, *(base / part for part in group.parents)):
                 with suppress(OSError, ValueError):  # "max" is no number: there is no limit
-                    yield float(int((folder / file).read_text()))
+                    yield float(int((folder / file).read_text(encoding="utf-8")))

@@ -7,8 +7,8 @@ by an event: :func:`raise_if_stopped`, which every call of a kernel asks first, 
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Iterator
-from concurrent.futures import Future, ThreadPoolExecutor
+from collections.abc import Callable, Collection, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from contextvars import ContextVar, copy_context
 from types import TracebackType
@@ -17,6 +17,8 @@ from typing import Any, Self, TypeVar
 from remanent._machine import available_processor_count
 
 T = TypeVar("T")
+#: Longest time for which a thread waits for others at a stretch.
+_WAITING_SECONDS = 0.1
 #: The events that stop the work of this thread: its pool's, and those of the pools above it.
 _STOP_EVENTS: ContextVar[tuple[threading.Event, ...]] = ContextVar("stop_events", default=())
 
@@ -87,3 +89,18 @@ class StoppableThreads(ThreadPoolExecutor):
         if kind is not None:
             self._stop_event.set()
         self.shutdown(wait=kind is None, cancel_futures=kind is not None)
+
+
+def as_finished(futures: Collection[Future[T]]) -> Iterator[Future[T]]:
+    """Futures as they end, awaited a little at a time.
+
+    Windows delivers Ctrl-C to the main thread between two waits only.
+
+    Parameters
+    ----------
+    futures : collection of Future
+    """
+    waiting = set(futures)
+    while waiting:
+        done, waiting = wait(waiting, timeout=_WAITING_SECONDS, return_when=FIRST_COMPLETED)
+        yield from done

@@ -39,7 +39,7 @@ def test_what_is_missing_is_named(extra: str, monkeypatch: pytest.MonkeyPatch) -
         return None if name == gone else really_find(name)
 
     monkeypatch.setattr(_extras, "find_spec", find)
-    words = rf"^this needs {gone}: pip install 'remanent\[{extra}\]'$"
+    words = rf"^This needs {gone}\. Install it with `pip install 'remanent\[{extra}\]'`\.$"
     with pytest.raises(rm.RemanentError, match=words):
         _extras.require_extra(extra, "this")
 

@@ -5,15 +5,19 @@ Law: Stopping.
 
 from __future__ import annotations
 
+import concurrent.futures
 import threading
 import time
 from concurrent.futures import Future
+from typing import Any
 
 import pytest
 
+from remanent import _threads
 from remanent._threads import (
     StoppableThreads,
     WorkStopped,
+    as_finished,
     raise_if_stopped,
     work_stopped_after,
 )
@@ -97,3 +101,25 @@ def test_work_is_stopped_after_a_while(seconds: float) -> None:
     raise_if_stopped()
     with work_stopped_after(PATIENCE):
         raise_if_stopped()
+
+
+def test_work_is_awaited_a_little_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every future comes once, and no wait is without an end: Ctrl-C comes between two of them."""
+    limits: list[float | None] = []
+
+    def watched(futures: Any, *, timeout: float | None, return_when: str) -> Any:
+        limits.append(timeout)
+        return concurrent.futures.wait(futures, timeout=timeout, return_when=return_when)
+
+    def number(k: int) -> int:
+        time.sleep(0.02 * k)
+        return k
+
+    monkeypatch.setattr(_threads, "wait", watched)
+    monkeypatch.setattr(_threads, "_WAITING_SECONDS", 0.01)
+    with StoppableThreads(2) as pool:
+        futures = [pool.submit(number, k) for k in range(4)]
+        ended = [future.result() for future in as_finished(futures)]
+    assert sorted(ended) == [0, 1, 2, 3]
+    assert len(limits) > 2
+    assert set(limits) == {0.01}

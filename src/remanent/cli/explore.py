@@ -67,7 +67,7 @@ def _serve(opened: Opened, host: str, port: int, *, opens_browser: bool) -> None
 
         serve(Guard(make_app(explorer), access), listener)
     except KeyboardInterrupt:
-        click.echo("ended", err=True)
+        click.echo("The explorer has ended.", err=True)
     finally:
         explorer.close()
 

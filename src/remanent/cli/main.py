@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 import sys
+from io import TextIOWrapper
 from pathlib import Path
 from types import FrameType
 from typing import NoReturn
@@ -71,17 +72,27 @@ for command in (new, studies.run, studies.verify, studies.show, export, explore)
 def main() -> None:
     """Run the command; expected failures are one line on standard error."""
     signal.signal(signal.SIGTERM, _exit_as_terminated)
+    _write_what_the_console_knows()
     try:
         commands.main(standalone_mode=False)
     except click.ClickException as error:
         error.show()
         sys.exit(error.exit_code)
     except (click.exceptions.Abort, KeyboardInterrupt):
-        click.echo("interrupted", err=True)
+        click.echo("Interrupted.", err=True)
         sys.exit(_INTERRUPTED_EXIT_CODE)
     except (RemanentError, OSError) as error:
         click.echo(f"remanent: {error}", err=True)
         sys.exit(1)
+
+
+def _write_what_the_console_knows() -> None:
+    """Write a question mark for letters that the console does not know, as for λ.
+
+    Standard error writes their numbers by itself.
+    """
+    if isinstance(sys.stdout, TextIOWrapper):
+        sys.stdout.reconfigure(errors="replace")
 
 
 def _exit_as_terminated(_signal: int, _frame: FrameType | None) -> NoReturn:

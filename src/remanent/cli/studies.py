@@ -33,7 +33,7 @@ class Share(click.ParamType[tuple[int, int]]):
         numbers = slash and index.isdecimal() and count.isdecimal()
         if not numbers or not 1 <= int(index) <= int(count):
             self.fail(
-                f"{value!r} is no share: write I/N with I from 1 to N, such as 2/8", param, ctx
+                f"{value!r} is no share. Write I/N with I from 1 to N, such as 2/8.", param, ctx
             )
         return int(index), int(count)
 
@@ -64,11 +64,14 @@ def run(
         return
     path = out or described.store
     if path is None:
-        raise click.UsageError("Name the store: `store` in the file, or --out.")
+        raise click.UsageError("The store has no name. Write `store` in the file, or pass --out.")
     if workers is not None and scheduler is not None:
-        raise click.UsageError("Pass --workers or --scheduler, not both.")
+        raise click.UsageError("Work goes to one place. Pass --workers or --scheduler, not both.")
     if described.point_seconds is not None and workers is None and scheduler is None:
-        raise click.UsageError("A cap on the time of a point needs --workers or --scheduler.")
+        raise click.UsageError(
+            "A cap on the time of a point, `point_seconds`, needs processes that can be ended. "
+            "Pass --workers or --scheduler."
+        )
     with _told_how_to_go_on(path), _progress() as report:
         _compute(described, path, part, workers, scheduler, report)
     click.echo(str(path))
@@ -99,7 +102,7 @@ def _compute(
     )
     with clients as client:
         if not dask_engine.worker_count(client):
-            click.echo(f"{scheduler} has no workers yet; waiting for the first", err=True)
+            click.echo(f"{scheduler} has no workers yet; this waits for the first.", err=True)
         take_sample = sample_on(client, seconds)
         with runs.writable_store(path, described.study, part, take_sample) as store:
             dask_engine.run_on_workers(store, client, part, report, seconds)

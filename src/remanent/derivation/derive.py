@@ -39,7 +39,7 @@ def derive(system: object, drive: Drive) -> FirstOrderForm:  # noqa: ARG001
         "system",
         must="be of a kind whose equations of motion can be derived",
         got=shortened_repr(system),
-        why=f"No derivation is registered for {type(system).__name__}.",
+        why=f"How equations follow from {type(system).__name__} is not known.",
         fix="Pass for example rm.Actuator().",
     )
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from textwrap import fill
 
 import sympy as sp
@@ -11,9 +12,10 @@ from remanent._errors import InputError, shortened_repr
 from remanent.derivation import block
 from remanent.derivation.energy_balance import temperature_rate
 from remanent.derivation.lagrange import mass_matrix_and_force
+from remanent.derivation.letters import latex, latex_settings
 from remanent.derivation.motion import Motion
 from remanent.derivation.symbols import Expression, Symbol
-from remanent.derivation.unexpanded import Unexpanded
+from remanent.derivation.unexpanded import Unexpanded, without_mark
 from remanent.derivation.written_equations import lagrange_equations, symbols_by_name
 from remanent.models.actuator import Actuator
 from remanent.models.own_systems.first_order_system import FirstOrderSystem
@@ -21,6 +23,8 @@ from remanent.models.own_systems.lagrangian_system import LagrangianSystem
 from remanent.models.own_systems.written_system import WrittenSystem
 from remanent.models.system import System
 
+#: Terms of a sum on one typeset line, and the most that a sum has that is not broken into lines.
+_TERMS_PER_LINE, _MOST_TERMS_ON_ONE_LINE = 5, 7
 #: Longest line of equations in a terminal, in characters.
 _TERMINAL_WIDTH = 100
 
@@ -39,14 +43,20 @@ class Equations:
         that is a state.
     definitions
         What the intermediate symbols stand for, as SymPy equations.
-    latex
-        All of them as LaTeX.
+    letters
+        LaTeX of names whose letter is not the usual one.
     """
 
     second_order: tuple[Expression, ...]
     first_order: tuple[Expression, ...]
     definitions: tuple[Expression, ...]
-    latex: str
+    letters: Mapping[str, str] = field(default_factory=dict, repr=False)
+
+    @property
+    def latex(self) -> str:
+        """All of them as LaTeX."""
+        rows = (*self.second_order, *self.first_order, *self.definitions)
+        return _join_latex_lines([latex(row, self.letters) for row in rows])
 
     def __str__(self) -> str:
         """The equations in a terminal, broken into lines of at most 100 characters."""
@@ -57,7 +67,9 @@ class Equations:
         )
 
     def _repr_latex_(self) -> str:
-        return f"$\\displaystyle {self.latex}$"
+        rows = (*self.second_order, *self.first_order, *self.definitions)
+        lines = [equation_latex(row, self.letters) for row in rows]
+        return f"$\\displaystyle {_join_latex_lines(lines)}$"
 
 
 def equations(system: System) -> Equations:
@@ -109,8 +121,7 @@ def equations(system: System) -> Equations:
     rates = {**motion.internal_rates, **_temperature_rate(motion)}
     internal = tuple(sp.Eq(time_derivative_symbol(k), e, evaluate=False) for k, e in rates.items())
     definitions = tuple(sp.Eq(k, e, evaluate=False) for k, e in motion.definitions.items())
-    lines = [_equation_latex(e, motion) for e in (*rows, *internal, *definitions)]
-    return Equations(rows, internal, definitions, _join_latex_lines(lines))
+    return Equations(rows, internal, definitions, letters_of_actuator(system))
 
 
 def _equations_of_energies(system: LagrangianSystem) -> Equations:
@@ -158,11 +169,7 @@ def _written(
         base = name.removesuffix("_rate")
         if base != name and base in texts:
             letters[f"{name}'"] = rf"\ddot{{{texts[base].symbol}}}"
-    lines = [
-        str(sp.latex(row, symbol_names={s: letters.get(s.name, s.name) for s in row.free_symbols}))
-        for row in (*second, *first)
-    ]
-    return Equations(second, first, (), _join_latex_lines(lines))
+    return Equations(second, first, (), letters)
 
 
 def _temperature_rate(motion: Motion) -> dict[Expression, Expression]:
@@ -193,80 +200,32 @@ def _expand_sum(expression: Expression) -> Expression:
     return expanded.xreplace({dummy: part for part, dummy in placeholders.items()})
 
 
-#: Letters of the numbers and internal variables of dissipative elements.
-_LATEX_OF_NAME = {
-    "modulus": r"\mu_v",
-    "relaxation_time": "t_r",
-    "viscous_stretch": r"\xi",
-    "viscous_stretch_1": r"\xi_1",
-    "viscous_stretch_2": r"\xi_2",
-}
-
-
 def time_derivative_symbol(symbol: Symbol) -> Symbol:
     """The symbol of a time derivative."""
     return sp.Symbol(f"{symbol.name}'", real=True)
 
 
-def _equation_latex(equation: Expression, motion: Motion) -> str:
-    names = {
-        "c": "c",
-        "shear_modulus": r"\hat\mu",
-        "density": r"\hat\rho",
-        "remanence": r"\hat B_r",
-        "temperature": "T",
-        "reference_temperature": "T_0",
-        "theta": r"\theta",
-        "stiffness": "g",
-        "load": "m",
-        "effective_load": "m_T",
-        "material.entropic_fraction": "f",
-        "material.jm": "J_m",
-        "material.locking_stretch": "L_m",
-        "magnet.temperature_coefficient": r"\alpha",
-        "magnet.demagnetisation": "d",
-        "heat.coupling": "k",
-        "heat.exchange": "h",
-        "body_temperature": "T",
-        "body_temperature'": "T'",
-        "area": "A",
-        "thickness": r"\lambda_3",
-        "thickness_rate": r"{\lambda_3'}",
-    }
-    if motion.heat_balance is not None:
-        names["temperature"] = r"T_\infty"
-    return str(
-        sp.latex(
-            equation, symbol_names=_latex_of_symbol(equation, names | _latex_of_motion_name(motion))
-        )
-    )
+def equation_latex(equation: Expression, letters: Mapping[str, str]) -> str:
+    """An equation as LaTeX, a long sum broken into lines.
+
+    Parameters
+    ----------
+    equation
+        SymPy's.
+    letters
+        Letters that are others than usual, by name.
+    """
+    left, right = map(without_mark, equation.args)
+    if right == 0 and len(sp.Add.make_args(left)) > _MOST_TERMS_ON_ONE_LINE:
+        settings = latex_settings(equation, letters)
+        text = sp.multiline_latex(right, left, _TERMS_PER_LINE, settings=settings)
+        return str(text).replace("align*", "aligned").replace("= & ", "={}& ")
+    return f"{latex(left, letters)} = {latex(right, letters)}"
 
 
-def _latex_of_motion_name(motion: Motion) -> dict[str, str]:
-    """Letters of stretches, their rates and the dead loads."""
-    letters = {}
-    for i, (stretch, rate) in enumerate(zip(motion.coordinates, motion.rates, strict=True), 1):
-        index = f"_{i}" if len(motion.coordinates) > 1 else ""
-        letters[stretch.name] = rf"\lambda{index}"
-        letters[rate.name] = rf"{{\lambda{index}'}}"
-        letters[time_derivative_symbol(rate).name] = rf"{{\lambda{index}''}}"
-        letters["prestress" + index] = f"S{index}"
-    return letters
-
-
-def _latex_of_symbol(equation: Expression, names: dict[str, str]) -> dict[Expression, str]:
-    return {s: names.get(s.name, _latex_of_field_name(s.name)) for s in equation.free_symbols}
-
-
-def _latex_of_field_name(name: str) -> str:
-    """For ``dissipation.0.eta`` the letter eta with the index 0."""
-    words = name.split(".")
-    letter = _LATEX_OF_NAME.get(words[-1].rstrip("'"))
-    if letter is not None:
-        prime = "'" if name.endswith("'") else ""
-        return f"{{{letter}^{{({words[1]})}}{prime}}}"
-    index = [word for word in words[1:-1] if word.isdigit()]
-    return str(sp.latex(sp.Symbol("_".join([words[-1], *index]))))
+def letters_of_actuator(actuator: Actuator) -> dict[str, str]:
+    """Letters that are others than usual: T is the body's where that is a state."""
+    return {} if actuator.heat is None else {"temperature": r"T_\infty"}
 
 
 def _join_latex_lines(lines: list[str]) -> str:

@@ -39,3 +39,8 @@ class Unexpanded(sp.Function):  # type: ignore[misc]
 
     def _latex(self, printer: Any, **_options: Any) -> str:
         return str(printer.parenthesize(self.args[0], 50))
+
+
+def without_mark(expression: Any) -> Any:
+    """What is in the mark, where all of an expression is in one; else the expression."""
+    return expression.args[0] if isinstance(expression, Unexpanded) else expression

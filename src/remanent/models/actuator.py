@@ -27,6 +27,7 @@ from remanent.models.parts import EquationStructure, Part, part_parameters
 from remanent.models.physical_sizes import PHYSICAL_SIZES, PhysicalSizes
 from remanent.models.plausibility import warn_of_implausible_temperatures
 from remanent.models.scaling import Scales
+from remanent.models.shown import ShownInNotebook
 from remanent.models.temperature_shift import TemperatureShift
 from remanent.models.variable_text import VariableText
 
@@ -38,12 +39,12 @@ _PART_FIELDS: Final = (*_SINGLE_PART_FIELDS, "dissipation")
 
 #: The rule of both temperatures.
 _TEMPERATURE_RULE: Final = _checks.positive_rule(
-    "It is an absolute temperature in kelvin.", "For t degrees Celsius pass t + 273.15."
+    "It is an absolute temperature in kelvin.", "Pass t + 273.15 for t degrees Celsius."
 )
 
 
 @dataclass(frozen=True, kw_only=True)
-class Actuator(metaclass=ExplainedConstruction):
+class Actuator(ShownInNotebook, metaclass=ExplainedConstruction):
     """A block of hard-magnetic elastomer under in-plane dead loads.
 
     Equal dead loads and edges keep both in-plane stretches equal: the motion has one

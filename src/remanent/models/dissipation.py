@@ -261,7 +261,7 @@ class Zener(Dissipation):
             ),
             "relaxation_time": _checks.positive_rule(
                 "It is the time in which the spring relaxes.",
-                "For a spring that never relaxes, raise the shear modulus itself.",
+                "Pass a time above 0; a spring that never relaxes is a larger shear modulus.",
             ),
         }
     )

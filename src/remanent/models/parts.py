@@ -14,13 +14,14 @@ from remanent import _checks
 from remanent._calls import ExplainedConstruction
 from remanent._checks import Rule
 from remanent._typing import ArrayLike, BoolArray
+from remanent.models.shown import ShownInNotebook
 
 #: A nested tuple of names, numbers of terms and options: what identifies equations.
 EquationStructure = tuple[Any, ...]
 
 
 @dataclass(frozen=True)
-class Part(metaclass=ExplainedConstruction):
+class Part(ShownInNotebook, metaclass=ExplainedConstruction):
     """A small immutable value: a material, a magnet, a drive ...
 
     A subclass is a frozen dataclass.  Its numeric fields, those that ``over`` and

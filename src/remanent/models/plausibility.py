@@ -31,12 +31,12 @@ def warn_of_implausible_temperatures(values: Mapping[str, ArrayLike]) -> None:
         if low.size:
             warn_of_input(
                 f"`{name}` is below {MIN_PLAUSIBLE_TEMPERATURE:g} K: {low.flat[0]:g} K. "
-                "Temperatures are in kelvin; for t degrees Celsius pass t + 273.15."
+                "Temperatures are in kelvin. Pass t + 273.15 for t degrees Celsius."
             )
     depends = np.asarray(values.get("magnet.temperature_coefficient", 0.0)) != 0.0
     if np.any(depends & (np.asarray(values.get("temperature", 0.0)) > MAX_MAGNET_TEMPERATURE)):
         warn_of_input(
             f"`temperature` is above {MAX_MAGNET_TEMPERATURE:g} K (80 degrees Celsius) somewhere, "
             "the rating of plain NdFeB magnets: a constant temperature coefficient is a guess "
-            "there."
+            "there. Use one that was measured at that temperature, or stay below."
         )

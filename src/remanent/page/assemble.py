@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any, Final
 
-from remanent._errors import RemanentError
+from remanent._errors import FAULT, RemanentError
 from remanent.page.files import PLOTLY_STYLES, assets_folder, module_sources, plotly_script
 from remanent.page.joined import joined_modules
 from remanent.page.model import PageModel, page_model_of_spec
@@ -71,7 +71,7 @@ def saved_page(
     text = (assets_folder() / "index.html").read_text(encoding="utf-8")
     styles = "\n".join(_file(path) for path in _STYLE.findall(text))
     if re.search(r"</style", styles, re.I):
-        raise RemanentError("A style of the page has the end of a style in it.")
+        raise RemanentError(f"A style of the page has the end of a style in it. {FAULT}")
     text = _ICON.sub(lambda found: _icon(found[1]), _SCRIPT.sub("", _STYLE.sub("", text)))
     title = f"<title>{html.escape(model.description['title'])}</title>"
     head = f"{_policy([library, script], [styles, ''])}\n{title}\n<style>{styles}</style>"
@@ -86,7 +86,9 @@ def saved_page(
     before, end, after = text.rpartition("</body>")
     left = _ELSEWHERE.search(text)
     if not end or left is not None:
-        raise RemanentError(f"The page cannot be one file: {left[0] if left else 'no body'}.")
+        raise RemanentError(
+            f"The page cannot be one file, for {left[0] if left else 'want of a body'}. {FAULT}"
+        )
     return f"{before}{tail}{end}{after}"
 
 

@@ -47,6 +47,6 @@ def plotly_script() -> Path:
     if spec is None or not spec.submodule_search_locations:
         raise RemanentError(
             "The page draws with plotly.js, which is in the package plotly. Install it with "
-            "`pip install remanent[web]`."
+            "`pip install 'remanent[web]'`."
         )
     return Path(spec.submodule_search_locations[0]) / "package_data" / "plotly.min.js"

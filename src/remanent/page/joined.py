@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from remanent._errors import RemanentError
+from remanent._errors import FAULT, RemanentError
 
 _NAME: Final = r"[A-Za-z_$][\w$]*"
 #: ``import { a, b as c } from "./file.js";``, also over several lines.
@@ -182,4 +182,4 @@ def _function(name: str, module: _Module, numbers: Mapping[str, str]) -> str:
 
 
 def _refused(path: str, what: str) -> RemanentError:
-    return RemanentError(f"The module {path} of the page {what}.")
+    return RemanentError(f"The module {path} of the page {what}. {FAULT}")

@@ -98,7 +98,7 @@ def _require_plane(dataset: xr.Dataset, variable: str) -> None:
             must="be a variable of the dataset with two dimensions",
             got=shortened_repr(variable),
             why="A chart has two axes.",
-            fix=f"There are: {', '.join(planes) or 'none'}.",
+            fix=f"Name one that has: {', '.join(planes) or 'there is none here'}.",
         )
     dims = [str(dim) for dim in dataset[variable].dims]
     if len(dims) != 2:

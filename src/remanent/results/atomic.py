@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import os
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 __all__ = ["atomic_replacement"]
+
+#: Tries to replace a file: Windows refuses while another process reads it, for a moment.
+_TRIES = 20 if os.name == "nt" else 1
+_SECONDS_BETWEEN_TRIES = 0.05
 
 
 @contextmanager
@@ -30,6 +35,17 @@ def atomic_replacement(path: Path) -> Iterator[Path]:
     part = path.with_name(f".{path.name}.{writer}.part")
     try:
         yield part
-        part.replace(path)
+        _replace(part, path)
     finally:
         part.unlink(missing_ok=True)
+
+
+def _replace(part: Path, path: Path) -> None:
+    for _ in range(_TRIES - 1):
+        try:
+            part.replace(path)
+        except PermissionError:
+            time.sleep(_SECONDS_BETWEEN_TRIES)
+        else:
+            return
+    part.replace(path)

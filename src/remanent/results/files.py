@@ -84,7 +84,7 @@ def save(dataset: xr.Dataset, path: str | os.PathLike[str]) -> Path:
             must="be an xarray.Dataset",
             got=type(dataset).__name__,
             why="A file holds variables by name.",
-            fix="For a DataArray pass array.to_dataset(name=...).",
+            fix="Pass a Dataset; array.to_dataset(name=...) makes one of a DataArray.",
         )
     unnamed = [name for name in (*dataset.variables, *dataset.dims) if not isinstance(name, str)]
     if unnamed:

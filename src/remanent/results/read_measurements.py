@@ -218,7 +218,7 @@ def _require_measurable(heading: Heading, units: Mapping[str, str], target: str)
             must="be a variable that can be measured",
             got=shortened_repr(target),
             why="Each column is compared with one of a history or of a response.",
-            fix=f"There are {', '.join(plain)}, and the same with _error at the end.",
+            fix=f"Name one of {', '.join(plain)}, or one of these with _error at the end.",
         )
     return name
 

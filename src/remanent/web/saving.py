@@ -59,7 +59,7 @@ def save_page(opened: Opened, path: Path, report: StageFunction) -> Path:
         The file cannot be written.
     """
     if not path.parent.is_dir():
-        raise RemanentError(f"{path} cannot be written: its folder is not there.")
+        raise RemanentError(f"{path} cannot be written: its folder is not there. Create it first.")
     subject = read_subject(opened.spec if opened.spec is not None else presets()[0]["spec"])
     model = page_model(subject.system, subject.drive, subject.initial)
     results = results_of(subject, model.description["state"], report)

@@ -104,7 +104,9 @@ class _Session:
 
     def _begin(self, asked: JobMessage) -> None:
         if asked.id in self._jobs:
-            raise RefusalError(409, "A job with this id goes on already.")
+            raise RefusalError(
+                409, "A job with this id goes on already. Cancel it, or choose another id."
+            )
         if asked.job not in JOB_LIMITS:
             names = ", ".join(JOB_LIMITS)
             raise RefusalError(422, f"There is no such job. The jobs are {names}.")

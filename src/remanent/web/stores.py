@@ -180,8 +180,8 @@ def _dataset(path: Path) -> xr.Dataset:
         raise
     except Exception as error:  # what a damaged store raises is not limited
         raise RemanentError(
-            f"the store {path.name} cannot be read: {error_sentence(error)} "
-            "`remanent verify` says what is damaged, and with --repair computes it again"
+            f"The store {path.name} cannot be read: {error_sentence(error)} "
+            "See what is damaged by `remanent verify`, which computes it again with --repair."
         ) from error
 
 

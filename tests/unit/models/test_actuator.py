@@ -81,7 +81,7 @@ def test_unknown_fields_are_refused() -> None:
     """The message names the field that is unknown, and lists those that there are."""
     with pytest.raises(InputError, match="`temprature` must be a field of Actuator"):
         Actuator().replace(temprature=350.0)
-    with pytest.raises(InputError, match="Its fields are: c, temperature"):
+    with pytest.raises(InputError, match="Name one of its fields: c, temperature"):
         Actuator().with_parameter("dissipation.0.eta", 0.1)
 
 

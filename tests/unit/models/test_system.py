@@ -20,7 +20,7 @@ def test_an_actuator_is_a_system() -> None:
 
 def test_a_system_without_a_derivation_is_refused() -> None:
     """The message says which kind has none."""
-    with pytest.raises(rm.InputError, match="No derivation is registered for object"):
+    with pytest.raises(rm.InputError, match="How equations follow from object is not known"):
         derive(object(), DRIVE)
 
 

@@ -164,7 +164,7 @@ def test_missing_packages_are_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("remanent._extras.find_spec", lambda _: None)
     result = CliRunner().invoke(commands, ["explore"])
     assert result.exit_code == 1
-    assert str(result.exception).endswith("pip install 'remanent[web]'")
+    assert str(result.exception).endswith("`pip install 'remanent[web]'`.")
     assert len(str(result.exception).splitlines()) == 1
 
 

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from concurrent.futures import as_completed
 from dataclasses import dataclass
 from types import TracebackType
 from typing import Self
 
 import numpy as np
 
-from remanent._threads import StoppableThreads
+from remanent._threads import StoppableThreads, as_finished
 from remanent._typing import IntArray
 from remanent.integrate.ensemble.attempt import attempt_chunk
 from remanent.integrate.ensemble.counts import (
@@ -119,7 +118,7 @@ class KernelPool:
                 problem, pending, lane_count, self.thread_count, self.work_sizes
             )
         }
-        for future in as_completed(futures):
+        for future in as_finished(futures):
             yield futures[future], future.result()
 
 

@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 
 from remanent._field import Field
-from remanent._threads import StoppableThreads
+from remanent._threads import StoppableThreads, as_finished
 from remanent._typing import FloatArray, IntArray
 from remanent.integrate.ensemble.resolution import (
     FINE_RESOLUTION_LADDER,
@@ -289,7 +289,10 @@ class PeriodMap:
             records = [advance(chunks[0])]
         else:
             with StoppableThreads() as pool:
-                records = list(pool.map(advance, chunks))
+                futures = [pool.submit(advance, chunk) for chunk in chunks]
+                for future in as_finished(futures):
+                    future.result()  # raises at once what one of them raised
+            records = [future.result() for future in futures]
         if not course.keeps_visited_states:
             return None
         joined = np.concatenate([r for r in records if r is not None], axis=1)

@@ -112,6 +112,20 @@ class Drive(Part, ABC):
             Where ``sin`` and other functions are found: the module sympy or numpy.
         """
 
+    def piece_parameters_in_time(self, p: Mapping[str, Any], tau: Any) -> Mapping[str, Any]:
+        """Piece parameters of the first piece, where that ends at `tau`, its phase being 1.
+
+        With them :meth:`load` is the load as a function of time.
+
+        Parameters
+        ----------
+        p
+            Values of the numeric fields, by name: numbers, arrays or symbols.
+        tau
+            The time.
+        """
+        return {}
+
     def loads_by_name(
         self, p: Mapping[str, Any], u: Mapping[str, Any], phase: Any, fn: Any
     ) -> dict[str, Any]:

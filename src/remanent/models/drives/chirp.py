@@ -73,7 +73,8 @@ class Chirp(Drive):
             "start": _SWEEP_FREQUENCY_RULE,
             "stop": _SWEEP_FREQUENCY_RULE,
             "duration": _checks.positive_rule(
-                "It is how long the sweep takes.", "For a single frequency use Sine."
+                "It is how long the sweep takes.",
+                "Pass a time above 0; a load of one frequency is rm.Sine.",
             ),
             "mean": LOAD_RULE,
             "phase": PHASE_RULE,
@@ -105,22 +106,25 @@ class Chirp(Drive):
         angle = p["piece.0"] + phase * (p["piece.1"] + phase * p["piece.2"])
         return p["mean"] + p["m"] * fn.sin(angle)
 
+    def piece_parameters_in_time(self, p: Mapping[str, Any], tau: Any) -> Mapping[str, Any]:
+        """Coefficients of the angle while the frequency changes."""
+        curvature = (p["stop"] - p["start"]) / (2 * p["duration"])
+        return {"piece.0": p["phase"], "piece.1": p["start"] * tau, "piece.2": curvature * tau**2}
+
     def load_schedule(self, values: Mapping[str, FloatArray], duration: FloatArray) -> LoadSchedule:
         """Two pieces, the sweep and what follows it; the second only if it is reached."""
-        start, stop, sweep, phase = (
-            self.given_or_own_values(values, name)
+        p = {
+            name: self.given_or_own_values(values, name)
             for name in ("start", "stop", "duration", "phase")
-        )
+        }
+        start, stop, sweep, phase = p.values()
         swept = np.minimum(sweep, np.atleast_1d(np.asarray(duration, dtype=np.float64)))
         held = np.maximum(duration - sweep, 0.0)
-        curvature = (stop - start) / (2.0 * sweep)
+        first = self.piece_parameters_in_time(p, swept)
         turned = np.mod(phase + 0.5 * (start + stop) * sweep, 2.0 * np.pi)
         zero = np.zeros_like(swept)
-        rows = {
-            "piece.0": (phase + zero, turned + zero),
-            "piece.1": (start * swept, stop * held),
-            "piece.2": (curvature * swept**2, zero),
-        }
+        second = {"piece.0": turned, "piece.1": stop * held, "piece.2": zero}
+        rows = {name: (first[name] + zero, second[name] + zero) for name in first}
         pieces = 2 if np.any(held > 0) else 1
         return LoadSchedule(
             np.stack([swept, held + zero][:pieces]),

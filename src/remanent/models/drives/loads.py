@@ -162,7 +162,7 @@ class Loads(Drive):
                     must="be a field of Loads: a load, or a field of the drive of one",
                     got=shortened_repr(value),
                     why="Unknown fields are refused so that a misspelling does not go unnoticed.",
-                    fix=f"Its fields are: {', '.join(self.parameter_values())}.",
+                    fix=f"Name one of its fields: {', '.join(self.parameter_values())}.",
                 )
         return type(self)(pairs)
 

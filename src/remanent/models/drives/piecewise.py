@@ -71,7 +71,7 @@ class PiecewiseDrive(Drive):
                 must=f"have at least {self.min_entries} entries",
                 got=len(times),
                 why="A signal is interpolated between samples.",
-                fix="For a load that does not change use Constant.",
+                fix="Add entries; a load that does not change is rm.Constant.",
             )
         if len(loads) != len(times):
             raise InputError(
@@ -132,6 +132,16 @@ class PiecewiseDrive(Drive):
         """a0 + s (a1 + s (a2 + s a3)), s the fraction of the piece."""
         a0, a1, a2, a3 = (p[name] for name in self.piece_parameter_names)
         return a0 + phase * (a1 + phase * (a2 + phase * a3))
+
+    def piece_parameters_in_time(self, p: Mapping[str, Any], tau: Any) -> Mapping[str, Any]:
+        """The coefficients of the first piece, which begins at 0."""
+        first = self.piece_coefficients()[:, 0]
+        return {
+            name: coefficient * tau**k
+            for k, (name, coefficient) in enumerate(
+                zip(self.piece_parameter_names, first, strict=True)
+            )
+        }
 
     def load_schedule(self, values: Mapping[str, FloatArray], duration: FloatArray) -> LoadSchedule:
         """One piece from each time to the next; the last ends with the trajectory."""

@@ -209,6 +209,10 @@ class Sines(Drive):
             total = total + p[f"loads.{i}"] * sine
         return total
 
+    def piece_parameters_in_time(self, p: Mapping[str, Any], tau: Any) -> Mapping[str, Any]:
+        """The angle omega tau, where there is no period."""
+        return dict.fromkeys(self.piece_parameter_names, p["omega"] * tau)
+
     def load_rate(self, p: Mapping[str, Any], u: Mapping[str, Any], phase: Any, fn: Any) -> Any:
         """m' = sum loads multiples omega cos(multiples omega tau + phases)."""
         total = 0
@@ -242,11 +246,11 @@ class Sines(Drive):
             turns = tuple(float(Fraction(k) / base) for k in self._checked_multiples())
             return periodic_load_schedule(period, duration, partial(_sines_and_cosines, turns))
         lengths = np.array(duration, dtype=np.float64, ndmin=1)[np.newaxis]
-        angle = lengths * self.given_or_own_values(values, "omega")
+        omega = {"omega": self.given_or_own_values(values, "omega")}
         return LoadSchedule(
             lengths,
             periodic=False,
-            piece_parameters={_FINAL_ANGLE_PARAMETER: angle},
+            piece_parameters=dict(self.piece_parameters_in_time(omega, lengths)),
             waveforms_at_phase=empty_waveforms,
         )
 

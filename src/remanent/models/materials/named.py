@@ -27,7 +27,8 @@ __all__ = [
 #: The rule of the shear modulus that follows from the constants.
 _MODULUS_RULE = _checks.positive_rule(
     "It is the shear modulus of the undeformed solid, by which the energy is divided.",
-    "Without a positive one the undeformed state is not stable; check constants and signs.",
+    "Check the constants and their signs; without a positive modulus the undeformed state is not "
+    "stable.",
 )
 
 

@@ -21,6 +21,7 @@ from remanent.models.formula import Formula
 from remanent.models.own_systems.names import RATE_SUFFIX, require_names
 from remanent.models.parts import EquationStructure
 from remanent.models.scaling import Scales
+from remanent.models.shown import ShownInNotebook
 from remanent.models.variable_text import VariableText
 
 #: A mapping of names, or its pairs, as it is kept.
@@ -43,7 +44,7 @@ _MAX_LABEL_CHARACTERS: Final = 60
 
 
 @dataclass(frozen=True)
-class WrittenSystem(metaclass=ExplainedConstruction):
+class WrittenSystem(ShownInNotebook, metaclass=ExplainedConstruction):
     """A system in formulas; a subclass says which there are and what they mean.
 
     A subclass is a frozen dataclass with the fields ``parameters``, ``observable``, ``rest``,
@@ -373,7 +374,7 @@ def require_known(argument: str, names: Iterable[str], known: Sequence[str], wha
                 must=f"name {what} only",
                 got=repr(name),
                 why="A name that means nothing is probably misspelt.",
-                fix=f"There are: {', '.join(known)}.",
+                fix=f"Name one of: {', '.join(known)}.",
             )
 
 

@@ -34,7 +34,7 @@ FINEST_TOLERANCE = 1e-13
 #: Above this, an error bound says nothing.
 COARSEST_TOLERANCE = 0.1
 #: What to do where a drive stands in the place of a system, or a system in that of a drive.
-_ORDER_REMEDY = "The system comes first, then the drive: simulate(actuator, drive, ...)."
+_ORDER_REMEDY = "Pass the system first, then the drive: simulate(actuator, drive, ...)."
 #: Largest end of a range, in size: differences of larger numbers overflow.
 _LARGEST_RANGE_END = 1e150
 #: Narrowest range over the size of its ends: steps are up to ten thousand times shorter.

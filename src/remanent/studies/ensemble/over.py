@@ -158,7 +158,7 @@ def _field_values(
             must="be a numeric field of the system or of the drive",
             got=shortened_repr(name),
             why="Only fields that enter the equations of motion can be varied.",
-            fix=f"Its fields are: {', '.join(known)}.",
+            fix=f"Name one of its fields: {', '.join(known)}.",
         )
     array = as_float_array(
         argument,
@@ -246,7 +246,7 @@ def _align_by_labels(fields: Sequence[_FieldValues]) -> list[_FieldValues]:
                     must=f"have the labels along {dim!r} that {owner} has, in any order",
                     got=shortened_repr(index.tolist()),
                     why="Values that share a dimension go together by its labels.",
-                    fix=f"Its labels are {shortened_repr(labels.tolist())}.",
+                    fix=f"Give it the labels {shortened_repr(labels.tolist())}.",
                 )
             values = np.take(values, places, axis=field.dims.index(dim))
         known = {dim: first[dim][1] for dim in field.labels}

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from typing import TypeAlias
+from importlib import import_module
+from typing import Any, TypeAlias
 
 from remanent._checks import shortened_repr
 from remanent._errors import InputError
@@ -23,8 +24,8 @@ def as_progress(progress: ProgressArgument) -> ProgressFunction | None:
     Parameters
     ----------
     progress : bool or callable or None
-        True draws a bar on standard error, with Rich where it is installed; a function is
-        called with the share in [0, 1]; None and False do nothing.
+        True draws a bar: below the cell of a notebook, else on standard error, with Rich where
+        it is installed; a function is called with the share in [0, 1]; None and False do nothing.
 
     Raises
     ------
@@ -56,7 +57,7 @@ def report_part_of_whole(
 
 
 class _ProgressBar:
-    """A line on standard error that is written again as work goes on.
+    """A line that is written again as work goes on.
 
     Calling it changes the line, and what it remembers of it.  It needs no end: no thread runs
     and the terminal is in no other state than before, also where the work is broken off.
@@ -75,7 +76,9 @@ class _ProgressBar:
 
 
 def _choose_bar_drawer() -> Callable[[float, str], None]:
-    """How a bar is drawn: by Rich where it is installed, else in plain text."""
+    """How a bar is drawn: below a cell, by Rich where it is installed, else in plain text."""
+    if _runs_in_notebook():
+        return _cell_bar_drawer()
     try:
         from rich.console import Console
         from rich.progress_bar import ProgressBar
@@ -90,7 +93,36 @@ def _choose_bar_drawer() -> Callable[[float, str], None]:
     return draw
 
 
+def _runs_in_notebook() -> bool:
+    """Whether cells of a notebook show what is displayed; a shell in a terminal has no kernel."""
+    shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
+    return getattr(shell, "kernel", None) is not None
+
+
+def _cell_bar_drawer() -> Callable[[float, str], None]:
+    """A bar below the cell, which needs no widgets: one display, updated."""
+    display = import_module("IPython.display").display
+    shown: list[Any] = []
+
+    def draw(done: float, _: str) -> None:
+        percent = f"{done:.0%}"
+        bar = {
+            "text/html": f'<progress value="{done:.2f}" max="1"></progress> {percent}',
+            "text/plain": _plain_bar(done),
+        }
+        if shown:
+            shown[0].update(bar, raw=True)
+        else:
+            shown.append(display(bar, raw=True, display_id=True))
+
+    return draw
+
+
 def _draw_plain_bar(done: float, end: str) -> None:
+    print(_plain_bar(done), end=end, file=sys.stderr, flush=True)
+
+
+def _plain_bar(done: float) -> str:
     filled = round(_BAR_WIDTH_CHARACTERS * done)
     bar = "#" * filled + "-" * (_BAR_WIDTH_CHARACTERS - filled)
-    print(f"[{bar}] {done:4.0%}", end=end, file=sys.stderr, flush=True)
+    return f"[{bar}] {done:4.0%}"

@@ -178,7 +178,7 @@ class _InverseDesignProblem:
                 must="each be one number",
                 got=f"{values.shape[1]} numbers of {len(self.measures)} measures",
                 why="Each has one target.",
-                fix="Reduce them by their `of`.",
+                fix="Give each an `of` that makes it one number.",
             )
         return np.asarray((values - self.targets) / self.target_scales)
 
@@ -221,7 +221,7 @@ class _InverseDesignProblem:
                 must="start where each measure is one known number",
                 got=dict(zip(self.parameter_names, guess.tolist(), strict=True)),
                 why="The search starts there.",
-                fix="Pass other guesses, or reduce the measure by its `of`.",
+                fix="Pass other guesses, or an `of` that makes it one number.",
             )
 
         def residual(x: FloatArray) -> FloatArray:

@@ -319,7 +319,7 @@ def _require_signature(
             must=f"have arguments that {name} takes",
             got=shortened_repr({"arguments": arguments, **options}),
             why=f"Python says: {error}.",
-            fix=f"Its arguments are {', '.join(signature.parameters)}.",
+            fix=f"Pass some of its arguments: {', '.join(signature.parameters)}.",
         ) from error
 
 
@@ -329,7 +329,7 @@ def _unknown_name_error(argument: str, name: str, nominal: Mapping[str, float]) 
         must="name numeric fields of the system or the drive",
         got=shortened_repr(name),
         why="Nothing else can vary.",
-        fix=f"Its fields are: {', '.join(nominal)}.",
+        fix=f"Name some of its fields: {', '.join(nominal)}.",
     )
 
 

@@ -247,7 +247,7 @@ def _require_state_names(grid: Mapping[str, Any], ens: Ensemble) -> None:
             must="name state variables",
             got=", ".join(map(repr, unknown)),
             why="It says from where the motions start.",
-            fix=f"They are {', '.join(ens.vector_field.state_names)}.",
+            fix=f"Name some of {', '.join(ens.vector_field.state_names)}.",
         )
 
 

@@ -75,7 +75,7 @@ def require_free_oscillations(ens: Ensemble, name: str) -> None:
             must="have one coordinate, and nothing that dissipates or gives energy",
             got=ens.system,
             why="Only free oscillations of one coordinate all have a period.",
-            fix="Of an actuator pass one number as prestress, no edges, dissipation=() and "
+            fix="Pass one number as prestress of an actuator, no edges, dissipation=() and "
             "heat=None; of a system of one's own one coordinate and no dissipation.",
         )
 

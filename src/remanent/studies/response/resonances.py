@@ -225,7 +225,7 @@ def _require_one_coordinate(ens: Ensemble) -> None:
             got=ens.system,
             why="Resonances are named by free oscillations of the same amplitude, which two "
             "coordinates have of more than one kind.",
-            fix="Of an actuator pass one number as prestress and no edges; of other systems read "
+            fix="Pass one number as prestress of an actuator and no edges; of other systems read "
             "the peaks of response_diagram.",
         )
     if is_own and field.roles != (Role.COORDINATE, Role.RATE):

@@ -60,7 +60,7 @@ def written_thresholds(
             got=ens.system,
             why="How far a motion goes follows from conservation of energy only with one "
             "coordinate, and nothing that dissipates.",
-            fix="Leave it out: the folds are found without.  Steps are tried with simulate.",
+            fix="Leave it out: the folds are found without. Try steps with simulate.",
         )
     rows: dict[str, list[_Columns]] = {"fold": [], "branch_point": []}
     rows |= {"snap": []} if snaps else {}

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Final
 
-from remanent._errors import InputError, RemanentError
+from remanent._errors import InputError, RemanentError, error_sentence
 from remanent._extras import require_extra
 from remanent._machine import THREADS_VARIABLE, available_processor_count
 from remanent.studies.sweep.run import (
@@ -228,7 +228,10 @@ def _require_worker_death(future: Any, task: Task, tries: int) -> None:
     error = future.exception()
     if isinstance(error, KilledWorker) and tries < _MAX_TRIES:
         return
-    raise RemanentError(f"chunk {task.first} could not be computed: {error}") from error
+    raise RemanentError(
+        f"Points from {task.first} on were given up: {error_sentence(error)} "
+        "Run the study in one process to see why."
+    ) from error
 
 
 @contextmanager

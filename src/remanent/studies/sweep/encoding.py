@@ -45,7 +45,10 @@ def stored_values(name: str, values: NDArray[Any]) -> NDArray[Any]:
         codes[values == word] = code
     unknown = (codes < 0) & (values != "")
     if unknown.any():
-        raise RemanentError(f"`{name}` has a word without a number: {values[unknown][0]!r}")
+        raise RemanentError(
+            f"`{name}` has a word without a number, {values[unknown][0]!r}. "
+            "Report this as a fault of remanent."
+        )
     return codes
 
 

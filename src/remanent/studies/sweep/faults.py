@@ -169,7 +169,8 @@ def unknown_key_fault(key: str, known: Sequence[str], table: str, value: object)
         f"be a key of {table}",
         shown(value),
         "Unknown keys are refused so that a misspelling does not go unnoticed.",
-        f"{meant(key, known)}Its keys are: {', '.join(known) or 'none'}.",
+        meant(key, known)
+        + (f"Write one of its keys: {', '.join(known)}." if known else "Leave it out."),
     )
 
 

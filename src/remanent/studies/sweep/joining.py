@@ -83,5 +83,8 @@ def _shared_variable(name: str, variables: Sequence[xr.Variable]) -> xr.Variable
         begin = longest.values[tuple(slice(0, size) for size in variable.shape)]
         same = np.array_equal(begin, variable.values, equal_nan=begin.dtype.kind in "fc")
         if variable.dims != longest.dims or not same:
-            raise RemanentError(f"`{name}` differs between parts of the grid")
+            raise RemanentError(
+                f"`{name}` differs between parts of the grid, which makes no one result. "
+                "Report this as a fault of remanent."
+            )
     return longest.to_base_variable()

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
+import re
 import uuid
+from collections import Counter
 from pathlib import Path
 from typing import Any, Final
 
@@ -48,7 +51,7 @@ def create_store(path: Path, study: Study, sample: Sample) -> Store:
         What the verb gives for a part of the grid.
     """
     template = sample.result
-    _require_storable_names({*map(str, template.variables), *map(str, template.dims)})
+    _require_storable_names(path, {*map(str, template.variables), *map(str, template.dims)})
     store = Store(path, study, chunking(study, _bytes_per_point(study, template)))
     path.mkdir(parents=True, exist_ok=True)
     _write_layout(store, sample)
@@ -92,19 +95,55 @@ def _write_layout(store: Store, sample: Sample) -> None:
     seal_description(path)
 
 
-def _require_storable_names(names: set[str]) -> None:
-    """Refuse names that are no folders of a store, before anything of it is written."""
-    bad = sorted(
+#: Names that Windows keeps for devices, signs that it refuses, and ends that it drops.
+_REFUSED_BY_WINDOWS: Final = re.compile(
+    r"^(con|prn|aux|nul|com[0-9]|lpt[0-9])(\.|$)|[<>:\"|?*\x00-\x1f]|[. ]$", re.IGNORECASE
+)
+
+
+def unstorable_names(names: set[str], *, on_windows: bool, ignores_case: bool) -> list[str]:
+    """Names that cannot be those of folders in a store.
+
+    Parameters
+    ----------
+    names : set of str
+        Names of variables.
+    on_windows : bool
+        Whether names that Windows keeps for devices, and its signs, count too.
+    ignores_case : bool
+        Whether names count that differ from another one in capitals alone.
+    """
+    taken = Counter(name.casefold() for name in names)
+    return sorted(
         name
         for name in names
-        if name in (BOOKKEEPING, "zarr.json") or set("/\\") & set(name) or name.startswith(".")
+        if name in (BOOKKEEPING, "zarr.json")
+        or set("/\\") & set(name)
+        or name.startswith(".")
+        or (on_windows and _REFUSED_BY_WINDOWS.search(name))
+        or (ignores_case and taken[name.casefold()] > 1)
     )
+
+
+def _ignores_case(folder: Path) -> bool:
+    """Whether the file system takes capitals for small letters, by a folder that is there."""
+    for there in (folder.resolve(), *folder.resolve().parents):
+        other = there.parent / there.name.swapcase()
+        if there.exists() and other.name != there.name:
+            return other.exists() and other.samefile(there)
+    return False
+
+
+def _require_storable_names(path: Path, names: set[str]) -> None:
+    """Refuse names that are no folders of a store, before anything of it is written."""
+    bad = unstorable_names(names, on_windows=os.name == "nt", ignores_case=_ignores_case(path))
     if bad:
         raise InputError(
             "store",
             must="be of results whose names can be those of folders",
             got=shortened_repr(bad),
-            why=f"A store has a folder for each variable, and keeps {BOOKKEEPING!r} for itself.",
+            why=f"A store has a folder for each variable, and keeps {BOOKKEEPING!r} for itself; "
+            "this system has no such folder, or cannot tell it from another.",
             fix="Rename what has this name, or leave out the store.",
         )
 

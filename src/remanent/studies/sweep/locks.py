@@ -63,6 +63,6 @@ def _busy_error(folder: Path, name: str) -> RemanentError:
     part = name.removeprefix(_PREFIX).removesuffix(".lock").replace("-", " ")
     whose = "another run" if part == "1 of 1" else f"a run of part {part}"
     return RemanentError(
-        f"the store {folder.parent} is being written by {whose}. "
-        "Two runs may not write the same points: wait for its end, or pass another place."
+        f"The store {folder.parent} is being written by {whose}. "
+        "Two runs may not write the same points. Wait for its end, or pass another place."
     )

@@ -92,7 +92,8 @@ def _restore_length(fresh: Store, name: str, target: Path, path: Path) -> None:
 def _old_shape(folder: Path, rank: int) -> tuple[int, ...]:
     """The shape in a description that can still be read; zeros where it cannot."""
     try:
-        shape = tuple(map(int, json.loads((folder / "zarr.json").read_text())["shape"]))
+        description = json.loads((folder / "zarr.json").read_text(encoding="utf-8"))
+        shape = tuple(map(int, description["shape"]))
     except (OSError, ValueError, KeyError, TypeError):
         return (0,) * rank
     return shape if len(shape) == rank else (0,) * rank

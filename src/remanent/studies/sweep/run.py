@@ -122,7 +122,7 @@ def _create_if_missing(path: Path, study: Study, take_sample: TakeSample) -> Non
             "store",
             must="be a folder, or not exist yet",
             got=str(path),
-            why="A store is a folder with a file for each chunk of each variable.",
+            why="A store is a folder, with folders for its variables in it.",
             fix="Pass another path.",
         )
     _require_outside_of_stores(path)

@@ -113,6 +113,6 @@ def sample_parts(study: Study) -> list[GridPart]:
 
 def _no_sample() -> RemanentError:
     return RemanentError(
-        "the first point of the grid ended its process, and so did two more; "
-        "call the verb for one of them to see why"
+        "The first point of the grid ended its process, and so did two more. "
+        "Call the verb for one of them to see why."
     )

@@ -156,7 +156,8 @@ class Store:
         """Refuse to write where another store was made since this one was opened."""
         if _identity_of(self.path) != self.identity:
             raise RemanentError(
-                f"the store {self.path} was removed or replaced while it was being written"
+                f"The store {self.path} was removed or replaced while it was being written. "
+                "Start the run again; it goes on from what is there."
             )
 
     def _require_same_shared(self, result: xr.Dataset) -> None:
@@ -280,8 +281,8 @@ class Store:
             return np.asarray(self.array("status")[self.place_of("status", part)])
         except (ValueError, OSError, RuntimeError) as error:
             raise RemanentError(
-                f"the status of some points is damaged in {self.path}: "
-                f"`remanent verify {self.path} --repair` computes them again"
+                f"The status of some points is damaged in {self.path}. "
+                f"Compute them again with `remanent verify {self.path} --repair`."
             ) from error
 
     def forget(self, chunk: tuple[int, ...]) -> None:
@@ -333,7 +334,7 @@ def _identity_of(path: Path) -> str:
 def _misfit_error(name: str) -> RemanentError:
     return RemanentError(
         f"`{name}` differs between points of the grid that were computed apart, so that one store "
-        "cannot hold it; call the verb for the whole grid, and report this as a fault of remanent"
+        "cannot hold it. Call the verb for the whole grid, and report this as a fault of remanent."
     )
 
 
@@ -447,6 +448,6 @@ def require_same_code(path: Path, begun_by: Mapping[str, str]) -> None:
     ]
     if changes:
         raise RemanentError(
-            f"the store {path} was begun by other code, which may give other numbers: "
+            f"The store {path} was begun by other code, which may give other numbers: "
             f"{'; '.join(changes)}. Go on where it was begun, or pass another place."
         )

@@ -95,7 +95,7 @@ def _unknown_field_fault(name: str, known: list[str]) -> Fault:
     return Fault(
         (name,), "be a numeric field of the system or of the drive", shown(name),
         "Only fields that enter the equations of motion can be varied.",
-        f"{meant(name, known)}The fields are: {', '.join(known)}; and initial.NAME of a state.",
+        f"{meant(name, known)}Write one of {', '.join(known)}, or initial.NAME of a state.",
     )  # fmt: skip
 
 

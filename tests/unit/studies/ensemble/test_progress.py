@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -83,3 +84,44 @@ def test_verbs_of_long_runs_tell_their_progress_up_to_the_end() -> None:
         call(shares.append)
         assert shares == sorted(shares), name
         assert shares[-1] == 1.0, name
+
+
+class Cell:
+    """What a cell of a notebook shows, by IPython's own functions."""
+
+    def __init__(self) -> None:
+        self.shown: list[dict[str, str]] = []
+
+    def display(self, data: dict[str, str], *, raw: bool, display_id: bool) -> Cell:
+        assert raw
+        assert display_id
+        self.shown.append(data)
+        return self
+
+    def update(self, data: dict[str, str], *, raw: bool) -> None:
+        assert raw
+        self.shown[-1] = data
+
+
+@pytest.mark.parametrize("kernel", [object(), None])
+def test_a_notebook_has_one_bar_below_the_cell(
+    kernel: object, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One display is updated; a shell in a terminal, without a kernel, has the usual bar."""
+    cell, shell = Cell(), SimpleNamespace(kernel=kernel)
+    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell))
+    monkeypatch.setitem(sys.modules, "IPython.display", SimpleNamespace(display=cell.display))
+    bar = as_progress(True)
+    assert bar is not None
+    for share in (0.0, 0.25, 1.0):
+        bar(share)
+    in_terminal = capsys.readouterr().err
+    if kernel is None:
+        assert "100%" in in_terminal
+        assert cell.shown == []
+    else:
+        assert in_terminal == ""
+        assert [one["text/html"] for one in cell.shown] == [
+            '<progress value="1.00" max="1"></progress> 100%'
+        ]
+        assert cell.shown[0]["text/plain"].endswith("100%")
