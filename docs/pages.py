@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import itertools
 import os
 import re
 import shutil
@@ -67,7 +68,7 @@ def outputs_of(text: str) -> list[tuple[Block, str]]:
     """Each block of Python, with the output shown directly after it, which may be empty."""
     blocks = blocks_of(text)
     found = []
-    for block, after in zip(blocks, [*blocks[1:], None], strict=True):
+    for block, after in itertools.zip_longest(blocks, blocks[1:]):
         if block.language != "python":
             continue
         shown = after is not None and after.language == "output"
