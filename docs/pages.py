@@ -64,17 +64,23 @@ def blocks_of(text: str) -> list[Block]:
     ]
 
 
-def outputs_of(text: str) -> list[tuple[Block, str]]:
-    """Each block of Python, with the output shown directly after it, which may be empty."""
+def outputs_of(text: str) -> list[tuple[Block, Block | None]]:
+    """Each block of Python, and the block of output directly after it, if there is one."""
     blocks = blocks_of(text)
     found = []
     for block, after in itertools.zip_longest(blocks, blocks[1:]):
-        if block.language != "python":
-            continue
-        shown = after is not None and after.language == "output"
-        adjacent = shown and not text[block.end : after.begin].strip()
-        found.append((block, after.text if adjacent else ""))
+        if block.language == "python":
+            shown = after is not None and after.language == "output"
+            adjacent = shown and not text[block.end : after.begin].strip()
+            found.append((block, after if adjacent else None))
     return found
+
+
+def output_agrees(shown: Block | None, printed: str) -> bool:
+    """Whether a block of Python is followed by what it prints, and by nothing if it prints nothing."""
+    if shown is None:
+        return not printed.strip()
+    return bool(printed.strip()) and texts_agree(shown.text, printed)
 
 
 def run_blocks(page: str, blocks: Sequence[Block], folder: Path) -> list[str]:
@@ -171,15 +177,11 @@ def with_outputs(text: str, printed: Sequence[str]) -> str:
     """A page with the output of each block of Python under it."""
     pieces, place = [], 0
     for (block, shown), out in zip(outputs_of(text), printed, strict=True):
-        if texts_agree(shown, out) and bool(shown) == bool(out.strip()):
-            continue
-        end = block.end
-        if shown:
-            end = next(b.end for b in blocks_of(text) if b.begin > block.begin)
-        lines = "\n".join(line.rstrip() for line in out.rstrip().splitlines())
-        fence = f"\n```output\n{lines}\n```\n" if lines else ""
-        pieces += [text[place : block.end], fence]
-        place = end
+        if not output_agrees(shown, out):
+            lines = "\n".join(line.rstrip() for line in out.rstrip().splitlines())
+            fence = f"\n```output\n{lines}\n```\n" if lines else ""
+            pieces += [text[place : block.end], fence]
+            place = shown.end if shown else block.end
     return "".join(pieces) + text[place:]
 
 

@@ -48,9 +48,8 @@ def test_code_runs(page: str, tmp_path: Path) -> None:
     text = TEXTS[page]
     printed = pages.run_blocks(page, [block for block, _ in pages.outputs_of(text)], tmp_path)
     for (block, shown), out in zip(pages.outputs_of(text), printed, strict=True):
-        agrees = pages.texts_agree(shown, out) and bool(shown) == bool(out.strip())
         what = f"`python -m docs.pages {page}` writes what {page}:{block.line} prints:\n{out}"
-        assert agrees, what
+        assert pages.output_agrees(shown, out), what
     for picture, name in pages.pictures_of(page, text).items():
         difference = pages.difference_of(picture, tmp_path / name)
         assert difference <= pages.PICTURES_AGREE, f"`python -m docs.pages {page}` draws {name}"
@@ -165,7 +164,7 @@ def test_every_block_is_accounted_for() -> None:
 def test_every_output_has_its_block(page: str) -> None:
     """An output stands directly under the Python that prints it."""
     shown = [block for _, block in pages.outputs_of(TEXTS[page]) if block]
-    assert len(shown) == len(blocks_of(ROOT / page, "output"))
+    assert shown == blocks_of(ROOT / page, "output")
 
 
 #: Pictures that are not drawn by the page that shows them, and what draws them.
