@@ -46,6 +46,7 @@ python_maximum_signature_line_length = 88
 
 html_theme = "furo"
 html_title = f"Remanent {release}"
+copybutton_selector = "div:not(.highlight-output) > div.highlight pre"
 copybutton_exclude = ".linenos, .gp, .go"
 
 

@@ -77,7 +77,7 @@ def outputs_of(text: str) -> list[tuple[Block, Block | None]]:
 
 
 def output_agrees(shown: Block | None, printed: str) -> bool:
-    """Whether a block of Python is followed by what it prints, and by nothing if it prints nothing."""
+    """Whether a block is followed by what it prints, and by nothing if it prints nothing."""
     if shown is None:
         return not printed.strip()
     return bool(printed.strip()) and texts_agree(shown.text, printed)
@@ -115,10 +115,10 @@ def run_blocks(page: str, blocks: Sequence[Block], folder: Path) -> list[str]:
 def texts_agree(shown: str, printed: str) -> bool:
     """Whether a shown output is what was printed, as far as processors agree.
 
-    Words and whole numbers are the same, spaces and the ends of lines aside.  Other numbers agree to
-    `RESULTS_AGREE`, or to one unit of the last digit where three digits or more are shown;
-    numbers below `SMALL` agree to a factor of two, and numbers below `ROUNDING` are alike.
-    A line ``...`` stands for any text.
+    Words and whole numbers are the same, spaces and the ends of lines aside.  Other numbers
+    agree to `RESULTS_AGREE`, or to one unit of the last digit where three digits or more are
+    shown; numbers below `SMALL` agree to a factor of two, and numbers below `ROUNDING` are
+    alike.  A line ``...`` stands for any text.
     """
     parts = re.split(r"^[ ]*\.\.\.[ ]*$", shown, flags=re.MULTILINE)
     if len(parts) == 1:
