@@ -29,6 +29,8 @@ DOCS = ROOT / "docs"
 _FENCE = re.compile(r"^(`{3,})(\S*)[ ]*\S*\n(.*?)^\1[ ]*$\n?", re.MULTILINE | re.DOTALL)
 _PICTURE = re.compile(r"!\[[^]]*\]\((?P<link>[^)]*_static/(?P<page>[\w-]+)/(?P<name>[\w.-]+))\)")
 
+#: A line that stands for any lines of an output.
+_LEFT_OUT = re.compile(r"^[ ]*\.\.\.[ ]*$", re.MULTILINE)
 #: A number as Python and NumPy write it, which is not part of a word or of a version.
 _NUMBER = re.compile(r"(?<![\w.])[-+]?(?:\d+\.\d*|\.\d+|\d+)(?:e[-+]?\d+)?(?![\w]|\.\d)")
 
@@ -115,29 +117,32 @@ def run_blocks(page: str, blocks: Sequence[Block], folder: Path) -> list[str]:
 def texts_agree(shown: str, printed: str) -> bool:
     """Whether a shown output is what was printed, as far as processors agree.
 
-    Words and whole numbers are the same, spaces and the ends of lines aside.  Other numbers
+    Words and whole numbers are the same, line by line, spaces aside.  Other numbers
     agree to `RESULTS_AGREE`, or to one unit of the last digit where three digits or more are
     shown; numbers below `SMALL` agree to a factor of two, and numbers below `ROUNDING` are
-    alike.  A line ``...`` stands for any text.
+    alike.  A line ``...`` stands for any lines.
     """
-    parts = re.split(r"^[ ]*\.\.\.[ ]*$", shown, flags=re.MULTILINE)
+    parts = [part.strip("\n").splitlines() for part in re.split(_LEFT_OUT, shown)]
+    lines = printed.strip("\n").splitlines()
     if len(parts) == 1:
-        return _same_words(shown.split(), printed.split())
-    words = printed.split()
-    first, *middle, last = [part.split() for part in parts]
-    if not _same_words(first, words[: len(first)]):
+        return _same_lines(parts[0], lines)
+    first, *middle, last = parts
+    place, end = len(first), len(lines) - len(last)
+    if not _same_lines(first, lines[:place]):
         return False
-    place, end = len(first), len(words) - len(last)
     for part in middle:
-        while place + len(part) <= end and not _same_words(part, words[place : place + len(part)]):
+        while place + len(part) <= end and not _same_lines(part, lines[place : place + len(part)]):
             place += 1
         place += len(part)
-    return place <= end and _same_words(last, words[end:])
+    return place <= end and _same_lines(last, lines[end:])
 
 
-def _same_words(shown: list[str], printed: list[str]) -> bool:
-    """Whether two lists of words agree, one by one."""
-    return len(shown) == len(printed) and all(map(_same_word, shown, printed))
+def _same_lines(shown: list[str], printed: list[str]) -> bool:
+    """Whether two lists of lines agree, one by one and word by word."""
+    words, others = ([line.split() for line in lines] for lines in (shown, printed))
+    return [len(line) for line in words] == [len(line) for line in others] and all(
+        map(_same_word, itertools.chain(*words), itertools.chain(*others))
+    )
 
 
 def _same_word(shown: str, printed: str) -> bool:

@@ -92,6 +92,7 @@ def test_a_failing_block_is_named(tmp_path: Path) -> None:
         ("a\n...\nc\n...\nd", "a\nb\nc\nd", True),
         ("a\n...\ne\n...\nd", "a\nb\nc\nd", False),
         ("a b", "a", False),
+        ("a b", "a\nb", False),
         ("", "a", False),
     ],
 )
