@@ -203,13 +203,16 @@ OUTSIDE = {
 LANGUAGES = {
     *("import", "print", "py", "python", "nan", "end", "try", "except", "catch", "struct"),
     *("dictionary", "plt", "np", "linspace", "plot", "saveas", "savefig", "xlabel", "legend"),
-    *("isel", "sel", "film", "remanent"),
+    *("isel", "sel", "film", "remanent", "cd", "k", "x"),
 }
 
 
 def own_text_of(page: Path) -> str:
-    """A page without the first column of the tables that list the words of other tools."""
+    """A page without what it prints, and without the words of other tools in its tables."""
     text = page.read_text("utf-8")
+    text = re.sub(r"^```output\n.*?^```$", "", text, flags=re.MULTILINE | re.DOTALL)
+    if page.name == "tutorial.md":
+        return re.sub(r"^\|.*", "", text, flags=re.MULTILINE)
     is_about_others = page.name.startswith("coming-from-")
     return re.sub(r"^\|[^|]*", "", text, flags=re.MULTILINE) if is_about_others else text
 
