@@ -58,6 +58,7 @@ html_domain_indices = False
 html_static_path = ["_static/site.css"]
 html_css_files = ["site.css"]
 html_title = f"Remanent {release}"
+copybutton_selector = "div:not(.highlight-output) > div.highlight pre"
 copybutton_exclude = ".linenos, .gp, .go"
 
 

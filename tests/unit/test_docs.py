@@ -1,13 +1,13 @@
-"""What the README and the pages of the site show is true: names, files, figures and code."""
+"""What the README and the pages of the site show is true: names, files and figures.
+
+That their code runs and prints what they show is in `test_pages.py`.
+"""
 
 from __future__ import annotations
 
 import dataclasses
 import inspect
-import json
 import re
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -15,74 +15,25 @@ import numpy as np
 import pytest
 
 import remanent as rm
+from docs import pages
 from remanent.results.schema import DESCRIPTIONS
 from remanent.studies.sweep.study_file import read_study
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 PAGES = [ROOT / "README.md", *sorted(DOCS.rglob("*.md"))]
-FENCE = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-
-#: Runs the blocks of a page in one namespace.  Each block is compiled with the page's name and
-#: the block's own line, so that tracebacks and warnings point into the page.
-RUNNER = """
-import json, sys
-
-page, blocks = json.load(sys.stdin)
-shared = {"__name__": "__main__"}
-for line, text in blocks:
-    try:
-        exec(compile("\\n" * (line - 1) + text, page, "exec"), shared)
-    except BaseException:
-        print(f"the block at {page}:{line} failed", file=sys.stderr)
-        raise
-"""
 
 
-def blocks_of(page: Path) -> list[tuple[int, str]]:
-    """Line number and text of each Python block."""
-    text = page.read_text("utf-8")
-    return [(text.count("\n", 0, m.start(1)) + 1, m[1]) for m in FENCE.finditer(text)]
+def blocks_of(page: Path, language: str) -> list[str]:
+    """The blocks of a page in one language."""
+    blocks = pages.blocks_of(page.read_text("utf-8"))
+    return [block.text for block in blocks if block.language == language]
 
 
-BLOCKS = {str(page.relative_to(ROOT)): blocks_of(page) for page in PAGES}
-
-
-def run_blocks(
-    page: str, blocks: list[tuple[int, str]], folder: Path
-) -> subprocess.CompletedProcess[str]:
-    """Run the blocks of a page in a fresh interpreter, where a warning is an error."""
-    return subprocess.run(
-        [sys.executable, "-W", "error", "-c", RUNNER],
-        input=json.dumps([page, blocks]),
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-
-
-@pytest.mark.parametrize("page", [page for page, blocks in BLOCKS.items() if blocks])
-def test_code_runs(page: str, tmp_path: Path) -> None:
-    """The Python blocks of a page run in order, in one namespace, without a warning."""
-    finished = run_blocks(page, BLOCKS[page], tmp_path)
-    assert finished.returncode == 0, finished.stderr
-
-
-def test_a_failing_block_is_named(tmp_path: Path) -> None:
-    """The message says at which line the block starts; the traceback, which line failed."""
-    finished = run_blocks("page.md", [(3, "x = 1\n"), (9, "y = x\nz = y / 0\n")], tmp_path)
-    assert finished.returncode != 0
-    assert "the block at page.md:9 failed" in finished.stderr
-    assert 'File "page.md", line 10' in finished.stderr
-
-
-#: The blocks of study files on the page about them; those without a verb change some tables.
-STUDY_BLOCKS = re.findall(
-    r"^```toml\n(.*?)^```$",
-    (DOCS / "how-to" / "studies.md").read_text("utf-8"),
-    re.MULTILINE | re.DOTALL,
-)
+#: Study files of the pages; those without a verb change some tables of the first.
+STUDY_BLOCKS = [
+    text for name in ("studies", "slurm") for text in blocks_of(DOCS / f"how-to/{name}.md", "toml")
+]
 
 
 def tables_of(text: str) -> dict[str, str]:
@@ -98,7 +49,7 @@ def tables_of(text: str) -> dict[str, str]:
 
 @pytest.mark.parametrize("number", range(len(STUDY_BLOCKS)))
 def test_study_files_are_read(number: int, tmp_path: Path) -> None:
-    """Each study file of the guide, and the first with tables replaced, is one without faults."""
+    """Each study file of a page, and the first with tables replaced, is one without faults."""
     block = STUDY_BLOCKS[number]
     tables = tables_of(block) if "verb" in block else tables_of(STUDY_BLOCKS[0]) | tables_of(block)
     file = tmp_path / "study.toml"
@@ -240,9 +191,20 @@ OUTSIDE = {
 }
 
 
+#: Words of Python, MATLAB and their packages that the tutorial explains.
+LANGUAGES = {
+    *("import", "print", "py", "python", "nan", "end", "try", "except", "catch", "struct"),
+    *("dictionary", "plt", "np", "linspace", "plot", "saveas", "savefig", "xlabel", "legend"),
+    *("isel", "sel", "film", "remanent", "cd", "k", "x"),
+}
+
+
 def own_text_of(page: Path) -> str:
-    """A page without the first column of the tables that list the words of other tools."""
+    """A page without what it prints, and without the words of other tools in its tables."""
     text = page.read_text("utf-8")
+    text = re.sub(r"^```output\n.*?^```$", "", text, flags=re.MULTILINE | re.DOTALL)
+    if page.name == "tutorial.md":
+        return re.sub(r"^\|.*", "", text, flags=re.MULTILINE)
     is_about_others = page.name.startswith("coming-from-")
     return re.sub(r"^\|[^|]*", "", text, flags=re.MULTILINE) if is_about_others else text
 
@@ -252,6 +214,7 @@ def test_words_in_backticks_are_names() -> None:
     names = (
         LABELS
         | OUTSIDE
+        | LANGUAGES
         | set(rm.__all__)
         | set(DESCRIPTIONS)
         | {f"{name}_error" for name in DESCRIPTIONS}
@@ -261,9 +224,12 @@ def test_words_in_backticks_are_names() -> None:
         has_arguments = inspect.isfunction(value) or dataclasses.is_dataclass(value)
         if has_arguments:
             names |= set(inspect.signature(value).parameters)
-    pages = [*(DOCS / "how-to").glob("*.md"), DOCS / "getting-started.md", DOCS / "model.md"]
-    code = "\n".join(text for page in pages for _, text in blocks_of(page))
-    words = {word for page in pages for word in re.findall(r"`([a-z_]+)`", own_text_of(page))}
+    guides = [
+        *(DOCS / "how-to").glob("*.md"),
+        *(DOCS / f"{name}.md" for name in ("tutorial", "getting-started", "model")),
+    ]
+    code = "\n".join(text for page in guides for text in blocks_of(page, "python"))
+    words = {word for page in guides for word in re.findall(r"`([a-z_]+)`", own_text_of(page))}
     assert len(words & names) > 50
     unknown = {word for word in words - names if not re.search(rf"^{word} = ", code, re.MULTILINE)}
     assert not unknown
