@@ -45,6 +45,9 @@ napoleon_use_rtype = False
 python_maximum_signature_line_length = 88
 
 html_theme = "furo"
+#: What `make docs` lays beside the pages: the explorer's saved page, which the gallery links.
+EXTRA = Path(__file__).parent / "_build" / "extra"
+html_extra_path = [str(EXTRA)] if EXTRA.exists() else []
 html_title = f"Remanent {release}"
 copybutton_exclude = ".linenos, .gp, .go"
 
@@ -95,5 +98,7 @@ def entry(name):
 
 def setup(app):
     """Called by Sphinx."""
+    if (EXTRA / "explorer.html").exists():
+        app.tags.add("explorer_page")
     app.connect("source-read", public_names)
     app.connect("autodoc-process-signature", plain_aliases)
