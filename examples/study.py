@@ -17,8 +17,8 @@ import xarray as xr
 
 body = rm.Actuator(temperature=350, dissipation=rm.Rayleigh(0.1))
 drive = rm.SineSquared(b=0.4, omega=1.0)
-omega = np.linspace(0.55, 1.6, 85)
-over = {"b": np.linspace(0.1, 0.6, 31)}
+omega = np.linspace(0.8, 1.6, 65)
+over = {"b": np.linspace(0.1, 0.6, 26)}
 options = {"omega": omega, "duration": 60.0, "discard": 40.0, "tolerance": 1e-6}
 first = rm.sweep(body, drive, over, "frequency_response", store="swing.zarr", **options)
 again = rm.sweep(body, drive, over, "frequency_response", store="swing.zarr", **options)

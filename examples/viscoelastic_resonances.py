@@ -21,7 +21,7 @@ import remanent as rm
 from scipy.signal import argrelmax
 
 body = rm.Actuator(dissipation=(rm.Zener(0.05, 20.0), rm.Rayleigh(0.05)))
-cases = {0.4: np.linspace(0.55, 1.5, 96), 1.2: np.linspace(2.05, 2.4, 71)}
+cases = {0.4: np.linspace(0.55, 1.5, 96), 1.2: np.linspace(2.1, 2.3, 81)}
 responses, marks = [], []
 for b, omega in cases.items():
     found = rm.frequency_response(

@@ -31,6 +31,7 @@ def test_published_resonances(example: Run) -> None:
     assert found.result.resonance.values == pytest.approx(np.array(found.published), abs=0.01)
 
 
+@pytest.mark.slow
 def test_tolerance(example: Run) -> None:
     """The section is a closed curve; most points of ode45's method lie away from it."""
     found = example("tolerance")
@@ -39,7 +40,7 @@ def test_tolerance(example: Run) -> None:
     loose = np.stack([found.thick, found.rate], -1)
     gaps = np.linalg.norm(curve[:, None] - curve[None], axis=-1) + np.eye(len(curve))
     away = np.linalg.norm(loose[:, None] - curve[None], axis=-1).min(axis=1)
-    assert np.mean(away > 2 * gaps.min(axis=1).max()) > 0.9
+    assert np.median(away) > 2 * gaps.min(axis=1).max()
 
 
 def test_isothermal(example: Run) -> None:
@@ -131,11 +132,13 @@ def test_backbone(example: Run) -> None:
 
 @pytest.mark.slow
 def test_viscoelastic_resonances(example: Run) -> None:
-    """Peaks at a half, once and twice the frequency of free oscillations, to 8 per cent."""
+    """Peaks at a half, once and twice the frequency of free oscillations, to 5 per cent.
+
+    Half of this is the spring of the slow viscous branch, which the free oscillation lacks.
+    """
     found = example("viscoelastic_resonances")
-    ratios = sorted(ratio for _, _, ratio in found.marks)
-    nearest = {order for ratio in ratios for order in (0.5, 1, 2) if abs(ratio / order - 1) < 0.08}
-    assert nearest == {0.5, 1, 2}
+    ratios = [ratio for peaks in found.marks for _, _, ratio in peaks]
+    assert ratios == pytest.approx([0.5, 1, 2], rel=0.05)
 
 
 def test_viscous_loss(example: Run) -> None:
@@ -152,6 +155,7 @@ def test_self_heating(example: Run) -> None:
     assert found.predicted > 0.5
 
 
+@pytest.mark.slow
 def test_limiting_chains(example: Run) -> None:
     """Chains are never longer than their limit, and endless ones are neo-Hookean."""
     found = example("limiting_chains")
