@@ -1,5 +1,4 @@
-"""At how many hertz does a film of 10 mm × 10 mm × 1 mm resonate, and how thick does it
-get?
+"""At how many hertz does a film of 10 mm × 10 mm × 1 mm resonate?
 
 A weak field finds the natural frequency √(18μ/(ρL²(1 + 2c)))/2π, here 945 Hz. The
 response peaks where the field has half of it, since the load repeats twice in a period

@@ -1,7 +1,7 @@
 """Which uncertain parameter matters most for the natural frequency?
 
 At rest it is √(18 θ/(1 + 2c)): a product of a function of the temperature and one of
-the slenderness, so that its Sobol' indices are known exactly from three integrals. The
+the slenderness, so that its Sobol' indices are known exactly from four integrals. The
 estimates from samples agree with them within their errors. The slenderness matters most
 here.
 

@@ -1,5 +1,4 @@
-"""How does the largest swing depend on load and frequency? A study that can be broken
-off.
+"""Can a large study be broken off and taken up again?
 
 `sweep` computes a verb for every point of a grid and keeps what is done in a store. A
 second call goes on where the first stopped; here it finds all done and computes

@@ -71,6 +71,9 @@ def test_warm_magnet(example: Run) -> None:
     """The stretch at rest solves x³ − βx² − 1 = 0 at every temperature and coefficient."""
     found = example("warm_magnet")
     assert abs(found.thick**3 - found.beta * found.thick**2 - 1).max() < 1e-13
+    drop = found.thick[:, found.temperature == 293.0].ravel() - found.thick[:, -1]
+    weaker = found.coefficients.index(-0.001)
+    assert drop[weaker] / drop[-1] == pytest.approx(1.28, abs=0.005)
 
 
 def test_energy_balance(example: Run) -> None:
@@ -267,6 +270,7 @@ def test_balloon_burst(example: Run) -> None:
     assert reached[2] > 3
 
 
+@pytest.mark.slow
 def test_study(example: Run) -> None:
     """A study that is done is read again, and holds what the verb gives, bit for bit."""
     found = example("study")
