@@ -37,7 +37,7 @@ PICTURES: Final = ROOT / "docs" / "_static" / "gallery"
 PAGE: Final = ROOT / "docs" / "gallery.md"
 #: Pixels per inch and number of colours of the pictures, so that each stays small.
 RESOLUTION_DPI: Final = 150
-COLOUR_COUNT: Final = 64
+COLOUR_COUNT: Final = 128
 #: What examples save at.
 SAVED_RESOLUTION_DPI: Final = 300
 
@@ -162,12 +162,10 @@ def gallery_page() -> str:
     """Text of the page: thumbnails first, then every example with its code and figure."""
     lines = [_HEAD]
     for heading, names in PARTS.items():
-        examples = [read_example(name) for name in names]
         lines.append(f"**{heading}**\n\n````{{container}} gallery")
-        lines += [
-            f"[![{e.question}](_static/gallery/{e.name}.png)](#{_target(e)})" for e in examples
-        ]
+        lines += [_thumbnail(read_example(name)) for name in names]
         lines.append("````\n")
+    lines.append(_EXPLORER_THUMBNAIL)
     for heading, names in PARTS.items():
         lines.append(f"## {heading}\n")
         lines += [_section(read_example(name)) for name in names]
@@ -193,6 +191,11 @@ def notebook(name: str) -> NotebookNode:
 def _target(example: Example) -> str:
     """Label of the section of an example."""
     return f"gallery-{example.name.replace('_', '-')}"
+
+
+def _thumbnail(example: Example) -> str:
+    """Markdown of a picture with its question, which lead to its section."""
+    return f"[![](_static/gallery/{example.name}.png) {example.question}](#{_target(example)})"
 
 
 def _section(example: Example) -> str:
@@ -230,11 +233,21 @@ too.
 
 ```{raw} html
 <style>
-.gallery p { display: grid; grid-template-columns: repeat(auto-fill, minmax(11rem, 1fr));
-  gap: 1rem; align-items: center; }
-.gallery img { width: 100%; background: white; padding: 0.2rem; }
+.gallery p { display: grid; grid-template-columns: repeat(auto-fill, minmax(10rem, 1fr));
+  gap: 1rem; align-items: end; }
+.gallery a { font-size: 0.8rem; line-height: 1.25; text-decoration: none; align-self: stretch;
+  display: flex; flex-direction: column; justify-content: space-between; }
+.gallery img { width: 100%; margin: auto; background: white; padding: 0.2rem; }
 </style>
 ```
+"""
+
+_EXPLORER_THUMBNAIL: Final = """\
+**A page that is alive**
+
+````{container} gallery
+[![](_static/explorer.png) Can a reader move the sliders?](#gallery-explorer)
+````
 """
 
 _EXPLORER: Final = """\
