@@ -59,7 +59,8 @@ def test_an_example_says_what_it_shows(name: str) -> None:
 @pytest.mark.parametrize("name", IN_NOTEBOOKS)
 def test_notebooks_are_made_from_the_scripts(name: str) -> None:
     """Law: a notebook is valid, without outputs, and its cells are the code of its script."""
-    written = nbformat.read(NOTEBOOKS / f"{name}.ipynb", as_version=4)
+    path = NOTEBOOKS / f"{name}.ipynb"
+    written = nbformat.read(path, as_version=4)  # type: ignore[no-untyped-call]  # it has none
     nbformat.validate(written)
     assert written == notebook(name)
     cells = [cell for cell in written.cells if cell.cell_type == "code"]
