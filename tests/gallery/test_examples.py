@@ -103,7 +103,7 @@ def test_hysteresis(example: Run) -> None:
 def test_basins(example: Run) -> None:
     """Two attractors, the stable orbits that another search finds, share the plane."""
     found = example("basins")
-    attractors = np.stack([found.ends.attractor_stretch, found.ends.attractor_stretch_rate], -1)
+    attractors = found.ends.attractor_state.transpose("attractor", ...).values
     order = np.argsort(attractors[:, 0])
     assert attractors[order] == pytest.approx(found.stable, abs=1e-4)
     assert float(found.ends.fraction.sum()) == pytest.approx(1, abs=0.002)
