@@ -34,8 +34,13 @@ lint: $(VENV)/.develop ## style, format, types, import rules, documentation
 	$(BIN)/lint-imports --no-cache
 	$(MAKE) --no-print-directory docs
 
-docs: $(VENV)/.develop ## the site, in docs/_build/html
+docs: $(VENV)/.develop docs/_build/extra/explorer.html ## the site, in docs/_build/html
 	$(BIN)/sphinx-build -W --keep-going --quiet -b html docs docs/_build/html
+
+# The explorer's saved page, to which the gallery links; `make clean` removes it.
+docs/_build/extra/explorer.html: | $(VENV)/.develop
+	@mkdir -p $(@D)
+	$(BIN)/remanent explore --save $@
 
 bench: $(VENV)/.bench ## the benchmarks, against the peers in the same run
 	$(BIN)/python -m benchmarks

@@ -57,6 +57,9 @@ html_math_renderer = "mathml"
 html_domain_indices = False
 html_static_path = ["_static/site.css"]
 html_css_files = ["site.css"]
+#: What `make docs` lays beside the pages: the explorer's saved page, which the gallery links.
+EXTRA = Path(__file__).parent / "_build" / "extra"
+html_extra_path = [str(EXTRA)] if EXTRA.exists() else []
 html_title = f"Remanent {release}"
 copybutton_selector = "div:not(.highlight-output) > div.highlight pre"
 copybutton_exclude = ".linenos, .gp, .go"
@@ -78,5 +81,7 @@ def made_parts(_app, page, source):
 
 def setup(app):
     """Called by Sphinx."""
+    if (EXTRA / "explorer.html").exists():
+        app.tags.add("explorer_page")
     app.connect("source-read", made_parts)
     app.connect("autodoc-process-signature", plain_aliases)
