@@ -12,6 +12,7 @@ import os
 import sys
 import tempfile
 from collections.abc import Sequence
+from datetime import date
 from pathlib import Path
 
 import click
@@ -99,7 +100,9 @@ def _save(result: dict[str, object], sample: Sequence[verdicts.Finding]) -> None
     """Write the score, and every mutant that no test saw."""
     kept = [vars(one) for one in sample if not verdicts.is_killed(one)]
     text = json.dumps(
-        {"environment": environment(), **result, "not killed": kept}, indent=1, ensure_ascii=False
+        {"date": str(date.today()), "environment": environment(), **result, "not killed": kept},
+        indent=1,
+        ensure_ascii=False,
     )
     (FOLDER / "mutants.json").write_text(text + "\n", encoding="utf-8")
 

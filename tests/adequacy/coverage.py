@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Iterable
+from datetime import date
 from pathlib import Path
 from typing import Any, Final
 
@@ -35,7 +36,9 @@ def main(save: bool) -> None:
         branches = f"{row['covered_branches']:5} of {row['num_branches']:5} branches"
         click.echo(f"{name:14}{row['share']:8.2%}   {lines}   {branches}")
     if save:
-        text = json.dumps({"environment": environment(), "packages": table}, indent=1)
+        text = json.dumps(
+            {"date": str(date.today()), "environment": environment(), "packages": table}, indent=1
+        )
         (FOLDER / "lines.json").write_text(text + "\n", encoding="utf-8")
     sys.exit(table["numeric core"]["share"] < LEAST_SHARE_OF_CORE)
 

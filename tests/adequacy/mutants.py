@@ -34,7 +34,12 @@ from tests.adequacy.core import PACKAGE, core_files
 
 #: Changes that need a choice of names, and are not used.
 _UNUSED: Final = ("VariableReplacer", "VariableInserter")
-_UNCHANGED_NODES: Final = ("name", "string", "newline", "endmarker", "atom_expr", "trailer")
+#: The nodes that changes with many variants can change; others are asked about every node.
+_NODES_OF: Final = {
+    "ReplaceBinaryOperator": ("operator",),
+    "ReplaceComparisonOperator": ("comparison",),
+    "ReplaceUnaryOperator": ("factor", "not_test"),
+}
 _BIT_SIGNS: Final = ("RShift", "LShift", "BitOr", "BitAnd", "BitXor")
 _IDENTITY_SIGNS: Final = ("Is", "IsNot")
 #: Decorators without which a function returns the same.
@@ -94,11 +99,14 @@ def sample(root: Path, *, size: int, seed: int) -> list[Mutant]:
 
 def sites_of(root: Path, file: str) -> list[list[Mutant]]:
     """The sites of a file, each with the changes there."""
-    tree = get_ast((root / PACKAGE / file).read_text("utf-8"))
-    nodes = [node for node in ast_nodes(tree) if node.type not in _UNCHANGED_NODES]
+    nodes = list(ast_nodes(get_ast((root / PACKAGE / file).read_text("utf-8"))))
+    nodes_of = {
+        kind: [node for node in nodes if node.type in types] for kind, types in _NODES_OF.items()
+    }
     sites: dict[tuple[Any, Any], list[Mutant]] = {}
     for name, operator in _operators().items():
-        positions = chain.from_iterable(operator().mutation_positions(node) for node in nodes)
+        asked = nodes_of.get(name.partition("_")[0], nodes)
+        positions = chain.from_iterable(operator().mutation_positions(node) for node in asked)
         for occurrence, (start, end) in enumerate(positions):
             mutant = Mutant(file, name, occurrence, start, end)
             sites.setdefault((start, end), []).append(mutant)
