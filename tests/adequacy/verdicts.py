@@ -57,7 +57,7 @@ def finding(mutant: Mutant, before: str, after: str, tests: int, verdict: Verdic
     lines = (
         "\n".join(line.strip() for line in text[head : len(text) - tail]) for text in (old, new)
     )
-    return Finding(mutant.name, *lines, tests, str(verdict))
+    return Finding(mutant.name, *lines, tests=tests, verdict=str(verdict))
 
 
 def append(file: Path, new: Finding) -> None:
