@@ -54,10 +54,10 @@ def finding(mutant: Mutant, before: str, after: str, tests: int, verdict: Verdic
     head = next(i for i, (a, b) in enumerate(zip(old, new, strict=False)) if a != b)
     pairs = enumerate(zip(reversed(old[head:]), reversed(new[head:]), strict=False))
     tail = next((i for i, (a, b) in pairs if a != b), min(len(old), len(new)) - head)
-    lines = (
+    removed, added = (
         "\n".join(line.strip() for line in text[head : len(text) - tail]) for text in (old, new)
     )
-    return Finding(mutant.name, *lines, tests=tests, verdict=str(verdict))
+    return Finding(mutant.name, removed, added, tests, str(verdict))
 
 
 def append(file: Path, new: Finding) -> None:
