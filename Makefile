@@ -10,7 +10,7 @@ INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --co
 PYTEST := $(BIN)/python -m pytest -n 2 --dist worksteal
 
 .DEFAULT_GOAL := help
-.PHONY: help paper explore test test-all lint docs bench clean
+.PHONY: help paper explore test test-all coverage mutants lint docs bench clean
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-9s %s\n", $$1, $$2 }' Makefile
@@ -26,6 +26,15 @@ test: $(VENV)/.develop ## the tests, without the slow ones
 
 test-all: $(VENV)/.develop ## every test, with many more random cases
 	$(PYTEST) --hypothesis-profile=nightly
+
+coverage: $(VENV)/.develop ## lines and branches that the tests run, by package
+	rm -rf .adequacy && mkdir .adequacy
+	REMANENT_CACHE_DIR=$(CURDIR)/.adequacy/cache \
+	  $(PYTEST) -m "not slow" -p tests.adequacy.durations --cov --cov-context=test --cov-report=
+	$(BIN)/python -m tests.adequacy.coverage
+
+mutants: $(VENV)/.mutation ## how many random mutants the tests notice; after coverage
+	$(BIN)/python -m tests.adequacy
 
 lint: $(VENV)/.develop ## style, format, types, import rules, documentation
 	$(BIN)/ruff check
@@ -46,7 +55,7 @@ bench: $(VENV)/.bench ## the benchmarks, against the peers in the same run
 	$(BIN)/python -m benchmarks
 
 clean: ## remove what the other targets wrote, except .venv
-	rm -rf paper docs/_build .pytest_cache .mypy_cache .ruff_cache .hypothesis dist
+	rm -rf paper docs/_build .adequacy .pytest_cache .mypy_cache .ruff_cache .hypothesis dist
 	find src tests docs benchmarks -name __pycache__ -type d -prune -exec rm -rf {} +
 
 # The environment. Each stamp says that what it names is installed.
@@ -62,6 +71,10 @@ $(VENV)/.runtime: pyproject.toml constraints.txt | $(BIN)/python
 $(VENV)/.develop: pyproject.toml constraints.txt | $(BIN)/python
 	$(INSTALL) --editable '.[test,lint,docs]'
 	@touch $@ $(VENV)/.runtime
+
+$(VENV)/.mutation: $(VENV)/.develop
+	$(INSTALL) --editable '.[mutation]'
+	@touch $@
 
 $(VENV)/.bench: $(VENV)/.runtime
 	$(INSTALL) --editable '.[bench]'

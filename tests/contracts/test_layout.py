@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import ast
+from collections.abc import Iterator
+from dataclasses import is_dataclass
 from functools import cache
 from graphlib import CycleError, TopologicalSorter
+from importlib import import_module
 from pathlib import Path
 
 import grimp
 
 import remanent
+from tests.adequacy.core import core_files
 
+#: Objects that learn from call to call, and whose docstrings say what changes.
+LEARNING = {"BlockAdvancer", "CoarseReplay", "_CurveArm", "_MeasureEvaluation"}
 #: The table of public names.
 STUB = Path(str(remanent.__file__)).with_suffix(".pyi")
 #: The folder of all tests.
@@ -73,6 +79,23 @@ def test_a_verb_stands_in_a_file_of_its_name() -> None:
     assert len(verb_files()) > 20
     for verb in verb_files():
         assert hasattr(remanent, verb.rpartition(".")[2]), verb
+
+
+def core_classes() -> Iterator[type]:
+    """The classes that files of the numeric core define."""
+    for file in core_files():
+        name = f"remanent/{file.removesuffix('.py').removesuffix('/__init__')}".replace("/", ".")
+        for value in vars(import_module(name)).values():
+            if isinstance(value, type) and value.__module__ == name:
+                yield value
+
+
+def test_values_of_the_numeric_core_do_not_change() -> None:
+    """Every dataclass is frozen, but for the few that learn."""
+    values = [value for value in core_classes() if is_dataclass(value)]
+    assert len(values) > 100
+    changing = {v.__name__ for v in values if not v.__dataclass_params__.frozen}  # type: ignore[attr-defined]
+    assert changing == LEARNING
 
 
 def test_every_test_states_its_law() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -87,6 +87,32 @@ class Quadratic:
         by_p = np.stack([np.ones_like(x), x], axis=1)[:, None, :]
         slope = (b - 2.0 * x)[:, None, None]
         return MapImage((a + b * x - x**2)[:, None], slope, by_p, np.full(len(x), EPS))
+
+
+@dataclass(frozen=True)
+class Inexact:
+    """A map whose error is said to be larger."""
+
+    exact: Quadratic
+    error: float
+    dimension: int = 1
+
+    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> MapImage:
+        image = self.exact(states, parameters, iterate)
+        return replace(image, error=np.full(len(states), self.error))
+
+
+def test_errors_of_equations_are_proportional_to_that_of_the_map() -> None:
+    """Law: the equations are those of the image and its derivatives, to first order."""
+    unknown = np.array([[0.3, 0.2, 5.0], [-1.0, 0.4, 0.1]])
+    errors = [
+        build_bifurcation_equations(Inexact(Quadratic(), error), 1, "fold", np.ones(3))(
+            unknown
+        ).extra_arrays["equation_error"]
+        for error in (1e-9, 2e-9)
+    ]
+    np.testing.assert_allclose(errors[1], 2.0 * errors[0], rtol=1e-6)
+    assert (errors[0] >= 1e-9).all()
 
 
 def bifurcation_curve(map_: Cusp | Quadratic, kind: str, guess: list[float]) -> FloatArray:

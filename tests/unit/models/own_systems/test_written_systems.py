@@ -255,6 +255,18 @@ def test_the_mass_matrix_of_a_quadratic_energy_is_exact(
     np.testing.assert_allclose(system.mass_matrix_at_rest(), matrix, rtol=1e-12, atol=1e-12)
 
 
+@pytest.mark.parametrize("unit", [1e-12, 1.0, 1e12])
+def test_the_degree_of_an_energy_does_not_depend_on_its_unit(unit: float) -> None:
+    """Quadratic in the rates is quadratic in any unit, and a small quartic part is none."""
+    scaled = {
+        name: f"({unit!r})*({PENDULUM[name]})" for name in ("kinetic", "potential", "dissipation")
+    }
+    rm.LagrangianSystem(**{**PENDULUM, **scaled})
+    quartic = {"kinetic": f"({unit!r})*(theta_rate**2/2 + theta_rate**4/1000)"}
+    with pytest.raises(rm.InputError, match="quadratic"):
+        rm.LagrangianSystem(**{**PENDULUM, **scaled, **quartic})
+
+
 @pytest.mark.parametrize(
     ("potential", "inside", "outside"),
     [("log(x)", 0.5, -0.5), ("1/(3 - x)", 2.9, 3.1), ("(2 + x)**1.5", -1.9, -2.1)],
