@@ -52,10 +52,12 @@ def test_only_stores_need_what_writes_them(monkeypatch: pytest.MonkeyPatch, tmp_
     for arguments in (["new", "chart"], ["run", "chart.toml", "--dry-run"]):
         assert CliRunner().invoke(commands, arguments).exit_code == 0
     run = CliRunner().invoke(commands, ["run", "chart.toml"])
-    assert "a store needs zarr: pip install 'remanent[studies]'" in str(run.exception)
+    assert "A store needs zarr. Install it with `pip install 'remanent[studies]'`." in str(
+        run.exception
+    )
     computed = rm.sweep(rm.Actuator(), rm.Sine(0.1, 1.2), {"m": [0.1]}, "cycle_losses", periods=1)
     assert computed.sizes["m"] == 1
     (tmp_path / "chart.zarr").mkdir()
     (tmp_path / "chart.zarr" / "zarr.json").write_text("{}", "utf-8")
-    with pytest.raises(rm.RemanentError, match="a store needs zarr"):
+    with pytest.raises(rm.RemanentError, match="A store needs zarr"):
         rm.load(tmp_path / "chart.zarr")

@@ -178,6 +178,11 @@ DRAWN_BY = {
     "heat.png": "docs/make_explanations.py",
     "viscosity.png": "docs/make_explanations.py",
     "two-directions.png": "docs/make_explanations.py",
+    "error-bound.png": "docs/make_explanations.py",
+    "limits.png": "docs/make_explanations.py",
+    "magnetisation.png": "docs/make_explanations.py",
+    "regimes.png": "docs/make_explanations.py",
+    "tolerance.png": "docs/make_explanations.py",
     "explorer.png": "a screenshot",
     "pendulum-regimes.png": "docs/how-to/own-systems.md, on the finer grid that it names",
 }

@@ -109,7 +109,7 @@ def bounds_of(name: str, system: System) -> Bounds:
 def faults_of_size(system: System, drive: Drive, initial: Mapping[str, float]) -> list[Fault]:
     """Every number of a system, a drive and a start that no page follows, with its place."""
     return [
-        Fault(path, bounds.must, f"{value:g}", bounds.why, "Enter another number.")
+        Fault(path, bounds.must, f"{value:g}", bounds.why, "Give another number.")
         for path, value, bounds in _numbers(system, drive, initial)
         if not bounds.least <= value <= bounds.most
     ]

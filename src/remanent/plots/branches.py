@@ -262,7 +262,7 @@ def _fitting_backbone(backbone: xr.Dataset | None, x: str) -> xr.Dataset | None:
             must="be left out where the axis is no frequency",
             got=f"one over {x}",
             why="A backbone is a frequency for each amplitude.",
-            fix="Draw it over a branch that was followed in omega.",
+            fix="Pass it with a branch that was followed in omega.",
         )
     return backbone
 
