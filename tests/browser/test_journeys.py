@@ -258,7 +258,8 @@ def test_a_busy_machine_is_asked_again(browser: Browser) -> None:
             second.page.wait_for_function(told)
             first.page.click("#regime_chart button:has-text('Cancel')")
             second.page.wait_for_function(
-                "() => document.querySelector('#response .card-note').textContent.includes('Over')"
+                "() => document.querySelector('#response .card-note').textContent"
+                ".includes('Largest at')"
             )
 
 
