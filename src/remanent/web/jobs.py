@@ -18,13 +18,14 @@ from remanent._errors import InputWarning
 from remanent._status import Status
 from remanent._typing import FloatArray
 from remanent.models.actuator import Actuator
+from remanent.studies.ensemble.checks import require_drive_frequency
 from remanent.studies.ensemble.layout import lay_out_ensemble
 from remanent.studies.ensemble.progress import ProgressFunction
 from remanent.studies.sweep.faults import Fault, FaultsError
 from remanent.studies.sweep.tables import Table, read_table
 from remanent.web import views
 from remanent.web.costs import run_seconds
-from remanent.web.errors import RefusalError, over_budget_refusal
+from remanent.web.errors import over_budget_refusal
 from remanent.web.frequencies import frequency_range
 from remanent.web.limits import JOB_LIMITS
 from remanent.web.subjects import Subject, initial_state
@@ -143,6 +144,8 @@ def job_result(
     ------
     FaultsError
         Options that are not sound.
+    InputError
+        The verb refuses the subject.
     RefusalError
         It would take too long; nothing has been computed then.
     """
@@ -165,8 +168,7 @@ def job_result(
 def _with_range(subject: Subject, options: _OverFrequencies) -> _OverFrequencies:
     """Options with a range of frequencies; one that nobody chose has the resonances inside."""
     if options.range is None:
-        if "omega" not in subject.drive.parameter_values():
-            raise RefusalError(422, "A response needs a load with a frequency, `omega`.")
+        require_drive_frequency(subject.drive, "A response varies the frequency of the drive.")
         low, high = frequency_range(subject.system, subject.drive)
         return options.model_copy(update={"range": [low, high]})
     return options

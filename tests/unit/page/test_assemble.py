@@ -113,7 +113,7 @@ def test_without_plotly_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch)
     """Law: the remedy is in the message."""
     monkeypatch.setattr("remanent.page.files.find_spec", lambda _: None)
     model = page_model(rm.Actuator(), rm.Constant(0.1))
-    with pytest.raises(rm.RemanentError, match=re.escape("pip install remanent[web]")):
+    with pytest.raises(rm.RemanentError, match=re.escape("pip install 'remanent[web]'")):
         saved_page(model)
 
 

@@ -149,11 +149,14 @@ def test_options_are_checked(
     assert refused.value.faults[0].path[:2] == ("options", place)
 
 
-def test_verbs_have_the_last_word() -> None:
-    """Law: what a verb refuses is refused with its own words."""
+@pytest.mark.parametrize("options", [{}, {"range": [0.5, 2.0]}])
+@pytest.mark.parametrize("verb", ["frequency_response", "response_diagram"])
+def test_verbs_have_the_last_word(verb: str, options: dict[str, Any]) -> None:
+    """Law: a load that a verb refuses is refused in its way, whoever chooses the frequencies."""
     constant = read_subject({**SPEC, "drive": {"kind": "Constant", "m": 0.1}})
-    with pytest.raises(rm.InputError, match="omega"):
-        job_result("frequency_response", constant, {})
+    with pytest.raises(rm.InputError, match="must have a field `omega`") as refused:
+        job_result(verb, constant, options)
+    assert refused.value.name == "drive"
 
 
 @pytest.mark.parametrize("omega", [1e-300, 1e-9, 1.0, 1e9, 1e300])

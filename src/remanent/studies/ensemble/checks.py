@@ -212,6 +212,18 @@ def require_intervals(
     }
 
 
+def require_drive_frequency(drive: Drive, why: str) -> None:
+    """A drive whose frequency can vary."""
+    if "omega" not in drive.parameter_values():
+        raise InputError(
+            "drive",
+            must="have a field `omega`",
+            got=repr(drive),
+            why=why,
+            fix="Pass rm.SineSquared(b, omega) or rm.Sine(m, omega).",
+        )
+
+
 def require_parameter_range(
     name: str, value: object, parameter: str, ens: Ensemble, why: str
 ) -> tuple[float, float]:

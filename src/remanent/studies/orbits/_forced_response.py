@@ -6,9 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from remanent._errors import InputError
 from remanent._typing import ArrayLike
-from remanent.studies.ensemble.checks import require_parameter_range
+from remanent.studies.ensemble.checks import require_drive_frequency, require_parameter_range
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.orbits._branch_tables import BranchTablesOfSystem, describe_branches
 from remanent.studies.orbits._checks import require_not_in_over
@@ -17,14 +16,9 @@ from remanent.studies.orbits._tracing import TracingOptions, trace_all_branches
 
 def require_frequency_range(omega_range: ArrayLike, ens: Ensemble) -> tuple[float, float]:
     """The lowest and the highest frequency of the drive, where it has one."""
-    if "omega" not in ens.drive.parameter_values():
-        raise InputError(
-            "drive",
-            must="have a field `omega`",
-            got=repr(ens.drive),
-            why="The frequency of the drive is what varies along the branches.",
-            fix="Pass rm.SineSquared(b, omega) or rm.Sine(m, omega).",
-        )
+    require_drive_frequency(
+        ens.drive, "The frequency of the drive is what varies along the branches."
+    )
     require_not_in_over(("omega",), ens)
     return require_parameter_range(
         "omega_range", omega_range, "omega", ens, "Branches are followed between them."

@@ -25,7 +25,12 @@ from remanent.integrate.ensemble.problem import (
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results.build import Labelled
-from remanent.studies.ensemble.checks import DriveArgument, require_drive, require_tolerance
+from remanent.studies.ensemble.checks import (
+    DriveArgument,
+    require_drive,
+    require_drive_frequency,
+    require_tolerance,
+)
 from remanent.studies.ensemble.dataset import to_dataset
 from remanent.studies.ensemble.durations import (
     DEFAULT_RESPONSE_DURATION_IN_TAU,
@@ -189,14 +194,7 @@ def frequency_response(
 def _require_frequencies(
     system: System, drive: Drive, omega: ArrayLike, over: OverArgument | None
 ) -> FloatArray:
-    if "omega" not in drive.parameter_values():
-        raise InputError(
-            "drive",
-            must="have a field `omega`",
-            got=repr(drive),
-            why="A frequency response varies the frequency of the drive.",
-            fix="Pass rm.SineSquared(b, omega) or rm.Sine(m, omega).",
-        )
+    require_drive_frequency(drive, "A frequency response varies the frequency of the drive.")
     if over and "omega" in over:
         raise InputError(
             "over",
