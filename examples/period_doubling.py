@@ -5,7 +5,7 @@ another one of twice the period starts from it, which `switch_branch` follows.
 
 Figure: Above, the branch with one value for each period and the one with two, which
 starts where the first becomes a saddle; below, the multipliers, whose modulus leaves 1
-between the two doublings.
+between the two doublings, marked by squares.
 
 Source: Y. A. Kuznetsov, Elements of Applied Bifurcation Theory (Springer, 2004),
 chapter 10.
