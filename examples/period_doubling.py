@@ -15,8 +15,8 @@ import numpy as np
 import remanent as rm
 
 body = rm.Actuator(dissipation=rm.Rayleigh(0.01))
-drive = rm.SineSquared(b=0.8, omega=2.4)
-branch = rm.continue_orbit(body, drive, "omega", (2.25, 2.45), tolerance=1e-8)
+drive = rm.SineSquared(b=0.8, omega=2.3)
+branch = rm.continue_orbit(body, drive, "omega", (2.27, 2.36), tolerance=1e-8)
 kinds, places = branch.special_kind.values, branch.special_omega.values
 doublings = np.flatnonzero(kinds == "period doubling")
 doubled = rm.switch_branch(branch, int(doublings[0]), tolerance=1e-8)
