@@ -1,11 +1,11 @@
 """Do the exported equations move as the actuator does?
 
 `export` writes the right-hand side as source text. SciPy integrates the Python one; its
-difference from our motion stays below the tolerances of both. The same call writes
+difference from our motion stays below the tolerance of 10⁻¹¹. The same call writes
 MATLAB, Julia, C, JavaScript and AUTO-07p.
 
 Figure: Above, our motion with points of SciPy's; below, their difference on a
-logarithmic axis, at the level of the tolerances.
+logarithmic axis, below the tolerance.
 
 Source: an integrator that shares no code with ours, DOP853 of SciPy.
 """

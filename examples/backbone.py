@@ -33,6 +33,7 @@ with rm.plot.style.context():
     # The load of this drive repeats twice in a period of the field.
     left.plot(free.frequency / 2, free.amplitude, ":", color="black", label="backbone")
     rm.plot.branch(forced, ax=left)
+    left.text(1.082, 1.18, "backbone", ha="right")
     left.set(xlim=(0.98, 1.3), ylim=(0, 1.3))
     right.semilogy(free.frequency, free.amplitude, color="black")
     for limit in limits:

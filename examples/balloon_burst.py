@@ -40,6 +40,7 @@ with rm.plot.style.context():
     )
     rm.plot.equilibria(curve, ax=left)
     left.axvline(sudden, color="#D55E00", ls=":", lw=1)
-    rm.plot.history(runs, ax=right)
+    lines = rm.plot.history(runs, ax=right, legend=False)
+    right.legend(lines, [f"$m = {m:.4f}$" for m in steps], loc="upper left")
     left.set(ylim=(0.9, 4))
     figure.savefig("balloon_burst.png")

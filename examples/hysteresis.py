@@ -29,6 +29,6 @@ print("two motions between", differs[[0, -1]], "folds at", folds)
 
 with rm.plot.style.context():
     figure, axes = rm.plot.style.subplots(figsize=(4.6, 3.0))
-    rm.plot.branch(diagram, "thickness_stretch", ax=axes, color="0.4")
+    rm.plot.branch(diagram, "thickness_stretch", ax=axes, color="0.7")
     rm.plot.section(sweeps, "omega", "thickness_stretch", ax=axes)
     figure.savefig("hysteresis.png")

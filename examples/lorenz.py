@@ -10,6 +10,7 @@ against the length of the run, approaching the published 0.9056 and zero.
 Source: D. Viswanath, thesis (Cornell University, 1998).
 """
 
+import numpy as np
 import remanent as rm
 
 lorenz = rm.FirstOrderSystem(
@@ -19,7 +20,7 @@ lorenz = rm.FirstOrderSystem(
     rest={"x": 1.0, "y": 1.0, "z": 27.0},
 )
 none = rm.Constant(0.0)
-motion = rm.simulate(lorenz, none, duration=17.0, tolerance=1e-5)
+motion = rm.simulate(lorenz, none, times=np.linspace(0, 17, 3401), tolerance=1e-5)
 spectrum = rm.lyapunov(lorenz, none, duration=800.0, count=2, tolerance=1e-6)
 print(spectrum.exponent.values, "±", spectrum.exponent_error.values)
 

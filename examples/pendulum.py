@@ -40,7 +40,7 @@ with rm.plot.style.context():
     theta = np.linspace(-np.pi, np.pi, 200)
     for sign in (-1, 1):
         left.plot(theta, 2 * sign * np.cos(theta / 2), color="0.5", ls="--", lw=0.8)
-    left.set(xlim=(-np.pi, np.pi))
+    left.set(xlim=(-np.pi, np.pi), xlabel=r"angle, $\theta$", ylabel=r"$\dot{\theta}$")
     right.plot(np.degrees(swing), exact, color="0.6", lw=2.5, label="elliptic integral")
     right.plot(np.degrees(swing), period, ":", color="black", label="computed")
     right.set(

@@ -5,7 +5,7 @@ another one of twice the period starts from it, which `switch_branch` follows.
 
 Figure: Above, the branch with one value for each period and the one with two, which
 starts where the first becomes a saddle; below, the multipliers, whose modulus leaves 1
-between the two doublings.
+between the two doublings, marked by squares.
 
 Source: Y. A. Kuznetsov, Elements of Applied Bifurcation Theory (Springer, 2004),
 chapter 10.
@@ -15,8 +15,8 @@ import numpy as np
 import remanent as rm
 
 body = rm.Actuator(dissipation=rm.Rayleigh(0.01))
-drive = rm.SineSquared(b=0.8, omega=2.4)
-branch = rm.continue_orbit(body, drive, "omega", (2.25, 2.45), tolerance=1e-8)
+drive = rm.SineSquared(b=0.8, omega=2.3)
+branch = rm.continue_orbit(body, drive, "omega", (2.27, 2.36), tolerance=1e-8)
 kinds, places = branch.special_kind.values, branch.special_omega.values
 doublings = np.flatnonzero(kinds == "period doubling")
 doubled = rm.switch_branch(branch, int(doublings[0]), tolerance=1e-8)

@@ -2,8 +2,8 @@
 
 No. It winds around a torus: 600 points of the section lie on a closed curve, and
 `classify` finds it quasi-periodic. With the method of MATLAB's ode45 at its usual
-tolerances the points leave this curve and fill an area, because the
-errors of its steps add up to a drift from torus to torus.
+tolerances the points leave this curve and fill an area, because the errors of its steps
+add up to a drift from torus to torus.
 
 Figure: Poincaré section of one motion, by a converged integration (a), where the points
 form a closed curve, and by RK45 at its usual tolerances (b), where they fill a ring.

@@ -2,10 +2,12 @@
 
 At a load m = 2 it does so for prestresses between 2 √((√5 − 1)/2) = 1.5723 and 2: there
 equal stretches are unstable, and the sheet rests longer in one direction than in the
-other. A model of one coordinate cannot see this.
+other. A model of one coordinate cannot see this. From S = 1.94 on a large square is
+stable as well.
 
 Figure: In-plane stretches at rest against the prestress: one curve of equal stretches
-that becomes unstable between 1.57 and 2, where a pair of unequal ones is stable.
+that becomes unstable between 1.57 and 2, where a pair of unequal ones is stable, and a
+second, larger stable one from 1.94 on.
 
 Source: the stiffness 3(2 − S/λ) against a difference of the stretches vanishes on the
 equal equilibrium, so that λ⁶ − mλ² + 1 = 0 and S = 2λ.

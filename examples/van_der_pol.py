@@ -31,7 +31,7 @@ print(dict(zip(values, period, strict=True)))
 motion = rm.simulate(
     oscillator,
     none,
-    times=np.linspace(0, 30, 2001),
+    times=np.linspace(0, 60, 4001),
     initial=(0.3, 0.0),
     over={"mu": values},
 )
@@ -41,6 +41,8 @@ with rm.plot.style.context():
     )
     rm.plot.history(motion, ax=left, legend=False)
     lines = rm.plot.phase(motion, ax=right, legend=False, start=False)
+    left.set(xlim=(0, 30), ylabel="$x$")
+    right.set(xlabel="$x$", ylabel=r"$\dot{x}$")
     names = [
         rf"$\mu = {mu:g}$, period {t:.4f}" for mu, t in zip(values, period, strict=True)
     ]

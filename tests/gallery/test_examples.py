@@ -173,10 +173,17 @@ def test_limiting_chains(example: Run) -> None:
 
 @pytest.mark.slow
 def test_unequal_stretches(example: Run) -> None:
-    """Equal stretches are unstable between the two roots of λ⁶ − 2λ² + 1 = 0, S = 2λ."""
+    """Equal stretches are unstable between the two roots of λ⁶ − 2λ² + 1 = 0, S = 2λ.
+
+    A large square is stable from the fold at λ² = (√21 − 1)/2 on.
+    """
     found = example("unequal_stretches")
     golden = 2 * ((5**0.5 - 1) / 2) ** 0.5
     assert found.lost[[0, -1]] == pytest.approx([golden, 2], abs=0.005)
+    fold = ((21**0.5 - 1) / 2) ** 0.5
+    large = found.is_equal & found.stable & (found.found.stretch_1 > 1)
+    first = found.pull[large.any("equilibrium")][0]
+    assert first == pytest.approx(fold - fold**-5 + 2 * fold**-3, abs=0.005)
 
 
 def test_two_shapes(example: Run) -> None:
@@ -279,7 +286,7 @@ def test_study(example: Run) -> None:
 
 
 def test_another_tool(example: Run) -> None:
-    """SciPy's motion of the exported equations is ours, to the tolerances of both."""
+    """SciPy's motion of the exported equations is ours, to our tolerance."""
     found = example("another_tool")
     assert found.difference.max() < 1e-11
     assert np.ptp(found.ours.stretch.values) > 0.1

@@ -60,7 +60,7 @@ def test_an_example_says_what_it_shows(name: str) -> None:
 def test_notebooks_are_made_from_the_scripts(name: str) -> None:
     """Law: a notebook is valid, without outputs, and its cells are the code of its script."""
     path = NOTEBOOKS / f"{name}.ipynb"
-    written = nbformat.read(path, as_version=4)  # type: ignore[no-untyped-call]  # it has none
+    written = nbformat.read(path, as_version=4)
     nbformat.validate(written)
     assert written == notebook(name)
     cells = [cell for cell in written.cells if cell.cell_type == "code"]
