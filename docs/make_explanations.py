@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import re
 import sys
@@ -16,6 +17,7 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 from breathing import breathing_frequencies
+from PIL import Image
 from scipy.integrate import solve_ivp
 
 import remanent as rm
@@ -39,16 +41,16 @@ def two_directions() -> Any:
         tolerance=1e-8,
     )
     figure, axes = plt.subplots(figsize=(6.4, 3.8), layout="constrained")
-    growth = ds.transverse_exponent.where(ds.symmetry != "kept", 0.0)
+    growth = ds.transverse_exponent.where(ds.symmetry != "kept")
     drawn = axes.pcolormesh(
-        omega, b, growth.clip(0.0), cmap="magma_r", shading="nearest", rasterized=True
+        omega, b, growth.clip(0.0), cmap="cividis", shading="nearest", rasterized=True
     )
-    figure.colorbar(drawn, label=r"exponent of $\lambda_1 - \lambda_2$ per unit of $\tau$")
+    figure.colorbar(drawn, label=r"exponent of $\lambda_1 - \lambda_2$ (per unit of $\tau$)")
     # Small oscillations of the difference have the natural frequency sqrt(6 θ), whatever c; the
     # load oscillates at 2 omega, so parametric resonance starts from these two.
     for frequency in (6.0**0.5, 0.5 * 6.0**0.5):
-        axes.axvline(frequency, color="0.3", linestyle="--", linewidth=0.8)
-    axes.set(xlabel=r"drive frequency $\omega$", ylabel=r"root of the peak load $b$")
+        axes.axvline(frequency, color="0.5", linestyle="--", linewidth=0.8)
+    axes.set(xlabel=r"drive frequency, $\omega$", ylabel=r"root of the peak magnetic load, $b$")
     note(figure, r"$c = 1$, $S = 0$, $\theta = 1$; from rest, 150 periods of the load")
     return figure
 
@@ -66,8 +68,10 @@ def viscosity() -> Any:
             body, rm.SineSquared(0.6, 1.0), omega, duration=400.0, discard=280.0, tolerance=1e-7
         )
         left.plot(omega, ds.amplitude, style, color=colour, label=rf"$t_r = {relaxation_time:g}$")
-    left.set(xlabel=r"drive frequency $\omega$", ylabel=r"amplitude $\lambda_3^a$")
-    left.legend(frameon=False)
+    left.set(
+        xlabel=r"drive frequency, $\omega$", ylabel=r"thickness stretch amplitude, $\lambda_3^a$"
+    )
+    left.legend()
     times = np.geomspace(0.02, 20.0, 41)
     for w, colour, style in zip((0.8, 1.25, 1.8), OKABE_ITO_COLOURS, styles, strict=False):
         ds = rm.cycle_losses(
@@ -81,8 +85,8 @@ def viscosity() -> Any:
         right.loglog(
             times, ds.dissipated_energy[:, 0], style, color=colour, label=rf"$\omega = {w:g}$"
         )
-    right.set(xlabel=r"relaxation time $t_r$", ylabel=r"loss in a period of the load, over $\mu$")
-    right.legend(frameon=False)
+    right.set(xlabel=r"relaxation time, $t_r$", ylabel=r"loss in a period of the load, over $\mu$")
+    right.legend()
     note(figure, r"$b = 0.6$, $\mu_v/\mu = 0.5$, $c = 1$, $S = 0$; settled motion")
     return figure
 
@@ -108,10 +112,10 @@ def heat() -> Any:
     lowest = float(late.body_temperature.min())
     adiabat = lowest * np.exp(2e-4 * energy)
     right.plot(grid, adiabat - 293.0, color="0.5", linewidth=0.9, label="adiabat")
-    left.set(xlabel=r"time $\tau$", ylabel=r"$T - T_\infty$ in K")
-    right.set(xlabel=r"thickness stretch $\lambda_3$", ylabel=r"$T - T_\infty$ in K")
-    left.legend(frameon=False)
-    right.legend(frameon=False)
+    left.set(xlabel=r"time, $\tau$", ylabel=r"warming, $T - T_\infty$ (K)")
+    right.set(xlabel=r"thickness stretch, $\lambda_3$", ylabel=r"warming, $T - T_\infty$ (K)")
+    left.legend()
+    right.legend()
     note(figure, r"$b = 0.8$, $\omega = 1.35$, $\mu_v/\mu = 0.5$, $t_r = 0.5$, $k = 2\cdot10^{-4}$")
     return figure
 
@@ -135,8 +139,8 @@ def limits() -> Any:
         axes.plot(slenderness, lowest, style, color=colour, label=f"polynomials of degree {degree}")
     second = [breathing_frequencies(h, 9)[1] for h in slenderness]
     axes.plot(slenderness, second, "-.", color="0.6", label="the next such motion, degree 9")
-    axes.set(xlabel="slenderness $H/L$", ylabel=r"natural frequency $\omega_n$", ylim=(0.0, None))
-    axes.legend(frameon=False, fontsize=8)
+    axes.set(xlabel="slenderness, $H/L$", ylabel=r"natural frequency, $\omega_n$", ylim=(0.0, None))
+    axes.legend()
     note(figure, r"small free oscillations, no load, $T = T_0$; incompressible, free faces")
     rows = []
     for h in (0.1, 0.5, 1.0):
@@ -204,7 +208,9 @@ def magnetisation() -> Any:
     )  # fmt: skip
     figure, panels = plt.subplots(1, 2, figsize=(7.4, 3.4), sharey=True, layout="constrained")
     rows = []
-    for axes, c, title in zip(panels, (0.01, 1.0), ("film, c = 0.01", "cube, c = 1"), strict=True):
+    for axes, c, title in zip(
+        panels, (0.01, 1.0), ("film, $c = 0.01$", "cube, $c = 1$"), strict=True
+    ):
         for (law, own, style), colour in zip(shown, OKABE_ITO_COLOURS, strict=False):
             body = rm.Actuator(c=c, magnet=rm.Magnet(law=law, demagnetisation=own))
             label = law if own is None else f"{law}, own field"
@@ -213,9 +219,9 @@ def magnetisation() -> Any:
             at = rm.equilibria(body, 0.16)
             values = (at.equilibrium_stretch[0], at.natural_frequency[0])
             rows.append((title, label, *(f"{float(value):.4f}" for value in values)))
-        axes.set(xlabel="magnetic load $m$", title=title)
-    panels[0].set_ylabel(r"thickness stretch $\lambda_3$ at rest")
-    panels[1].legend(frameon=False, fontsize=7)
+        axes.set(xlabel="magnetic load, $m$", title=title)
+    panels[0].set_ylabel(r"thickness stretch at equilibrium, $\lambda_3^\mathrm{eq}$")
+    panels[1].legend()
     note(figure, r"$S = 0$, $\theta = 1$; own field: $B_r^2/(\mu\mu_0) = 0.163$")
     head = ("block", "law", r"$\lambda_3$ at $m = 0.16$", r"$\omega_n$ there")
     write_table("magnetisation", head, rows)
@@ -237,8 +243,10 @@ def tolerance() -> Any:
         axes.plot(*exact, ".", color="0.75", markersize=2.5)
         points = exact if relative is None else _as_thickness(*_rk45(rates, times, relative))
         axes.plot(*points, ".", color=OKABE_ITO_COLOURS[0], markersize=1.5)
-        title = "converged" if relative is None else f"RK45, relative tolerance {relative:g}"
-        axes.set(xlabel=r"$\lambda_3$", ylabel=r"$\lambda_3'$", title=title)
+        title = "converged" if relative is None else f"RK45, relative tolerance {_power(relative)}"
+        axes.set(
+            xlabel=r"thickness stretch, $\lambda_3$", ylabel=r"rate, $\lambda_3'$", title=title
+        )
     write_table(
         "tolerance",
         ("solver", r"energy gained over $\tau = 500$, over that of the oscillation"),
@@ -246,6 +254,11 @@ def tolerance() -> Any:
     )
     note(figure, r"$T = 350$ K, $S = 0$; sections $b = 0.4$, $\omega = 1.25$; energy $m = 0.16$")
     return figure
+
+
+def _power(number: float) -> str:
+    """A power of ten as a formula."""
+    return rf"$10^{{{np.log10(number):.0f}}}$"
 
 
 def _draw_drifts(axes: Any, body: rm.Actuator) -> Sequence[Sequence[str]]:
@@ -259,12 +272,12 @@ def _draw_drifts(axes: Any, body: rm.Actuator) -> Sequence[Sequence[str]]:
     ):
         energy = _energy(*_rk45(rm.rates(body, load), times, relative), body, load.m)
         drift = (energy - energy[0]) / depth
-        axes.semilogy(times[1:], np.abs(drift[1:]), style, color=colour, label=f"{relative:g}")
+        axes.semilogy(times[1:], np.abs(drift[1:]), style, color=colour, label=_power(relative))
         rows.append((f"SciPy's RK45, relative tolerance {relative:g}", f"{drift[-1]:+.1e}"))
     energy = rm.simulate(body, load, times=times, tolerance=1e-8).energy.values
     rows.append(("Remanent, tolerance 1e-08", f"{(energy[-1] - energy[0]) / depth:+.1e}"))
-    axes.set(xlabel=r"time $\tau$", ylabel="share of the energy", title="energy gained or lost")
-    axes.legend(frameon=False, title="RK45, relative tolerance", fontsize=8, title_fontsize=8)
+    axes.set(xlabel=r"time, $\tau$", ylabel="share of the energy", title="energy gained or lost")
+    axes.legend(title="RK45, relative tolerance")
     return rows
 
 
@@ -303,13 +316,13 @@ def error_bound() -> Any:
     left.loglog(asked, [float(r.error) for r in runs], "o", color=OKABE_ITO_COLOURS[0],
                 label="reported")  # fmt: skip
     left.loglog(asked, true, "s", color=OKABE_ITO_COLOURS[1], label="true")
-    left.set(xlabel=r"tolerance $\varepsilon$", ylabel="largest error of the state")
-    left.legend(frameon=False)
+    left.set(xlabel=r"tolerance, $\varepsilon$", ylabel="largest error of the state")
+    left.legend()
     exponents = np.array(_coverage()["points"], dtype=float)
     right.hist(exponents[:, 1] - exponents[:, 0], bins=60, color=OKABE_ITO_COLOURS[0])
     right.axvline(0.0, color="0.2", linewidth=0.9)
     right.axvline(2.0, color="0.2", linestyle="--", linewidth=0.9)
-    right.set(xlabel="log₁₀ of reported over true error", ylabel="trajectories")
+    right.set(xlabel=r"$\log_{10}$ of reported over true error", ylabel="trajectories")
     note(figure, r"left: $T = 350$ K, $b = 0.4$, $\omega = 1.25$, $\tau \leq 60$")
     (TABLES / "error-bound.md").write_text(coverage_table(), encoding="utf-8")
     return figure
@@ -353,7 +366,9 @@ def regimes() -> Any:
             color=OKABE_ITO_COLOURS[0], markersize=1.6, rasterized=True,
         )  # fmt: skip
         title = rf"{name}, $b = {drive.b:g}$, $\omega = {drive.omega:g}$"
-        axes.set(xlabel=r"$\lambda_3$", ylabel=r"$\lambda_3'$", title=title)
+        axes.set(
+            xlabel=r"thickness stretch, $\lambda_3$", ylabel=r"rate, $\lambda_3'$", title=title
+        )
         rows.append(_evidence_row(name, periods, found))
         if found.regime.item() == "undecided":
             longer = rm.classify(body, drive, periods=8 * periods)
@@ -424,6 +439,15 @@ def write_table(name: str, head: Sequence[str], rows: Sequence[Sequence[str]]) -
     (TABLES / f"{name}.md").write_text(as_table(head, rows), encoding="utf-8")
 
 
+def save_picture(figure: Any, file: Path) -> None:
+    """Write a picture in few colours, which makes a small file."""
+    drawn = io.BytesIO()
+    figure.savefig(drawn, dpi=200)
+    with Image.open(drawn) as image:
+        few = image.convert("RGB").quantize(128, dither=Image.Dither.NONE)
+    few.save(file, optimize=True)
+
+
 #: What draws each picture.
 PICTURES: Mapping[str, Callable[[], Any]] = {
     "two-directions": two_directions, "viscosity": viscosity, "heat": heat, "limits": limits,
@@ -438,7 +462,8 @@ def main(words: Sequence[str]) -> None:
         keep_audit(Path(words[1]))
         return
     for name in words or PICTURES:
-        PICTURES[name]().savefig(STATIC / f"{name}.png", dpi=160)
+        with rm.plot.style.context():
+            save_picture(PICTURES[name](), STATIC / f"{name}.png")
 
 
 if __name__ == "__main__":

@@ -15,7 +15,6 @@ import io
 import itertools
 import os
 import re
-import shutil
 import sys
 import tempfile
 import warnings
@@ -213,6 +212,19 @@ def difference_of(one: Path, other: Path) -> float:
 PICTURES_AGREE = 1e-3
 
 
+#: Colours of the pictures on pages: these are lines and letters in few colours, and small files.
+COLOUR_COUNT = 128
+
+
+def copy_picture(made: Path, picture: Path) -> None:
+    """Copy a picture in `COLOUR_COUNT` colours."""
+    from PIL import Image
+
+    with Image.open(made) as image:
+        few = image.convert("RGB").quantize(COLOUR_COUNT, dither=Image.Dither.NONE)
+    few.save(picture, optimize=True)
+
+
 def update(page: str) -> None:
     """Run a page, and write its outputs and pictures where they do not agree."""
     path = ROOT / page
@@ -224,7 +236,7 @@ def update(page: str) -> None:
             made = Path(name) / file
             if not picture.exists() or difference_of(picture, made) > PICTURES_AGREE:
                 picture.parent.mkdir(exist_ok=True)
-                shutil.copyfile(made, picture)
+                copy_picture(made, picture)
                 print("drew", picture.relative_to(ROOT))
     new = with_outputs(text, printed)
     if new != text:

@@ -167,12 +167,15 @@ def require_known_names(names: Iterable[str], known: Iterable[str], owner: str) 
     fields = list(known)
     for name in names:
         if not isinstance(name, str) or name not in fields:
+            closest = get_close_matches(str(name), fields, n=1)
+            meant = f"Did you mean `{closest[0]}`? " if closest else ""
+            listed = f"Name one of its fields: {', '.join(fields)}." if fields else "Leave it out."
             raise InputError(
                 name if isinstance(name, str) else "name",
                 must=f"be a field of {owner}",
                 got=shortened_repr(name),
                 why="Unknown fields are refused so that a misspelling does not go unnoticed.",
-                fix=f"Name one of its fields: {', '.join(fields)}." if fields else "Leave it out.",
+                fix=f"{meant}{listed}",
             )
 
 

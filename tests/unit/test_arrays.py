@@ -154,6 +154,8 @@ def test_texts_with_units_are_read_as_quantities_are(container: Callable[..., An
     ds = LOOSE.simulate(FILM, DRIVE, times=container(["0 ms", "2 ms"]))
     np.testing.assert_array_equal(ds.time, FILM.time(["0 ms", "2 ms"]))
     assert LOOSE.simulate(FILM, DRIVE, duration="5 ms").attrs["duration"] == FILM.time("5 ms")
+    passages = LOOSE.poincare_section(FILM, DRIVE, where="stretch - 1", duration="5 ms")
+    assert passages.attrs["duration"] == FILM.time("5 ms")
     refused: list[list[Any]] = [["1.0", "2.0"], ["50 Hz", 2.0], ["50 Hz", "fast"], ["3 mT"]]
     for words in refused:
         with pytest.raises(InputError, match="Hz"):
@@ -189,7 +191,7 @@ CALLS: dict[str, tuple[Callable[[], Any], str]] = {
     "number": (lambda: LOOSE.Actuator(dissipation=0.05), r"Pass for example rm\.Rayleigh\(0\.05\)"),
     "empty text": (lambda: LOOSE.Actuator(dissipation=""), "`dissipation` must be a Dissipation"),
     "scales": (lambda: LOOSE.Actuator(scales=5), "`scales` must be"),
-    "swapped": (lambda: LOOSE.simulate(DRIVE, FILM, duration=1.0), "The system comes first"),
+    "swapped": (lambda: LOOSE.simulate(DRIVE, FILM, duration=1.0), "Pass the system first"),
     "many values": (lambda: FILM.frequency(np.linspace(50.0, 1000.0, 400)), r"\.\.\."),
     "no netCDF": (lambda: LOOSE.load(__file__.replace(".py", ".nc")), "There is none of that name"),
 }  # fmt: skip

@@ -37,6 +37,12 @@ _SINGLE_PART_FIELDS: Final = ("material", "heat", "magnet")
 #: Fields that are parts of the model.
 _PART_FIELDS: Final = (*_SINGLE_PART_FIELDS, "dissipation")
 
+#: What `Actuator.from_si` takes besides the parts of the model.
+_SIZE_ARGUMENTS: Final = (
+    "shear_modulus", "density", "half_length", "half_thickness", "half_width", "force",
+    "remanence", "temperature", "reference_temperature", "own_field",
+)  # fmt: skip
+
 #: The rule of both temperatures.
 _TEMPERATURE_RULE: Final = _checks.positive_rule(
     "It is an absolute temperature in kelvin.", "Pass t + 273.15 for t degrees Celsius."
@@ -484,7 +490,8 @@ class Actuator(ShownInNotebook, metaclass=ExplainedConstruction):
         >>> round(film.viscosity("20 Pa s"), 4), round(film.coupling("1.9 kJ/(kg K)"), 6)
         (0.2828, 9e-05)
         """
-        _checks.require_known_names(parts, _PART_FIELDS, "Actuator.from_si")
+        known = (*_SIZE_ARGUMENTS, *_PART_FIELDS)
+        _checks.require_known_names(parts, known, "Actuator.from_si")
         scales = Scales.from_quantities(
             shear_modulus=shear_modulus,
             density=density,

@@ -56,6 +56,27 @@ def energy_balance(
     -------
     list of matplotlib.lines.Line2D
         The work.
+
+    Raises
+    ------
+    InputError
+        A Dataset without what is drawn, with several motions, or a word that Matplotlib does not
+        know.
+
+    See Also
+    --------
+    remanent.energy_balance : The result that is drawn.
+    history : The motion itself.
+
+    Examples
+    --------
+    >>> import matplotlib.pyplot as plt
+    >>> import remanent as rm
+    >>> body = rm.Actuator(dissipation=rm.Rayleigh(0.1))
+    >>> ds = rm.energy_balance(body, rm.SineSquared(0.4, 1.25), duration=20)
+    >>> len(rm.plot.energy_balance(ds))
+    1
+    >>> plt.close()
     """
     lost = _name_of_loss(dataset)
     names = ("drive_work", "stored_energy", lost, "balance", "time")

@@ -9,6 +9,7 @@ from numbers import Real
 from types import MappingProxyType
 from typing import Any, Final
 
+import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
@@ -17,6 +18,7 @@ from matplotlib.figure import Figure
 from remanent._errors import InputError
 from remanent.models.variable_text import VariableText
 from remanent.plots import missing
+from remanent.plots.labels import math_symbol, number_with_unit
 from remanent.plots.legends import height_above
 from remanent.plots.style import (
     FAINT_COLOUR,
@@ -27,6 +29,7 @@ from remanent.plots.style import (
     value_label,
 )
 from remanent.results import provenance
+from remanent.results.named_quantities import attribute_quantity
 from remanent.results.schema import describe
 from remanent.results.si import to_si
 
@@ -176,11 +179,6 @@ def footer_text(dataset: xr.Dataset, *, hide: Iterable[str] = ()) -> str:
     given = [*map(str, dataset.coords), *str(attrs.get("over", "")).split()]
     shown = {part for name in [*given, *hide] for part in (name, name.split(".")[-1])}
     single = [array for array in dataset.coords.values() if array.ndim == 0]
-    settings = [
-        name
-        for name in str(attrs.get("settings", "")).split()
-        if name in attrs and name not in _OMITTED_SETTINGS
-    ]
     pieces = [
         *(value_label(array, array.item()) for array in single),
         *_scale_texts(dataset),
@@ -190,11 +188,7 @@ def footer_text(dataset: xr.Dataset, *, hide: Iterable[str] = ()) -> str:
             if "drive" in shown
             else _model_texts(dataset, provenance.DRIVE_ATTRIBUTE, shown, say)
         ),
-        *(
-            _setting_text(key, attrs[key], say)
-            for key in settings
-            if not _is_left_out(key, attrs[key])
-        ),
+        *_settings_texts(dataset),
     ]
     if isinstance(attrs.get("tolerance"), Real) and "tolerance" not in dataset.dims:
         pieces.append(f"tolerance ${format_number(attrs['tolerance'])}$")
@@ -203,30 +197,78 @@ def footer_text(dataset: xr.Dataset, *, hide: Iterable[str] = ()) -> str:
 
 
 def _value_texts(dataset: xr.Dataset) -> _Say:
-    """How values are said: in SI where the Dataset is, else dimensionless."""
+    """How dimensionless values are said: in SI where the Dataset is."""
     scales = dataset.attrs.get("scales_applied")
     if scales is None:
         return partial(_value_text, own=provenance.own_variable_texts(dataset))
 
     def say(name: str, value: object) -> str:
-        if not isinstance(value, (int, float)):
+        variable = _variable_in_si(name, value, scales) if isinstance(value, (int, float)) else None
+        if variable is None:
             return _value_text(name, value)
-        try:
-            row = describe(name)
-        except InputError:  # a field of the user's own
-            return _value_text(name, value)
-        single = xr.Dataset({name: ((), float(value), row.attributes())}, attrs={"scales": scales})
-        return value_label(to_si(single)[name], float(to_si(single)[name]))
+        return value_label(variable, float(variable))
 
     return say
 
 
-def _setting_text(name: str, value: object, say: _Say) -> str:
-    """A setting by its symbol, or in words."""
-    if name not in _SETTING_WORDS:
-        return say(name, value)
-    number = f"${format_number(value)}$" if isinstance(value, Real) else str(value)
-    return f"{_SETTING_WORDS[name]} {number}"
+def _variable_in_si(name: str, value: float, scales: object) -> xr.Variable | None:
+    """A dimensionless value in SI, with its symbol and unit; None for a field of one's own."""
+    try:
+        row = describe(name)
+    except InputError:
+        return None
+    single = xr.Dataset({name: ((), float(value), row.attributes())}, attrs={"scales": scales})
+    return to_si(single)[name].variable
+
+
+def _settings_texts(dataset: xr.Dataset) -> Iterator[str]:
+    """The settings of a run, whose numbers are in the units of the Dataset already."""
+    attrs = dataset.attrs
+    for name in str(attrs.get("settings", "")).split():
+        if name in attrs and name not in _OMITTED_SETTINGS and not _is_left_out(name, attrs[name]):
+            yield from _setting_texts(dataset, name)
+
+
+def _setting_texts(dataset: xr.Dataset, name: str) -> Iterator[str]:
+    """A setting by its symbol or in words, and a range of values by the symbol of each field."""
+    value = dataset.attrs[name]
+    quantities = _quantities_of_setting(dataset, name)
+    variables = [_variable_of(dataset, quantity) for quantity in quantities]
+    words = _SETTING_WORDS.get(name)
+    if quantities and isinstance(value, Real) and words is None and variables[0] is not None:
+        is_its_own = quantities == [name]
+        number = (value_label if is_its_own else number_with_unit)(variables[0], value)
+        yield number if is_its_own else f"{name.replace('_', ' ')} {number}"
+    elif quantities and np.size(value) == 2 * len(quantities):
+        ranges = np.reshape(value, (-1, 2)).tolist()
+        for quantity, variable, (low, high) in zip(quantities, variables, ranges, strict=True):
+            known = xr.Variable((), low, {"units": "1"}) if variable is None else variable
+            symbol = (variable is not None and math_symbol(variable)) or quantity
+            yield f"{symbol} from ${format_number(low)}$ to {number_with_unit(known, high)}"
+    elif words is not None:
+        yield f"{words} ${format_number(value)}$" if isinstance(value, Real) else f"{words} {value}"
+    else:
+        yield _value_text(name, value)
+
+
+def _quantities_of_setting(dataset: xr.Dataset, name: str) -> list[str]:
+    """What the numbers of a setting are; nothing for a count, a word, or what is not known."""
+    try:
+        return attribute_quantity(dataset, name)
+    except InputError:
+        return []
+
+
+def _variable_of(dataset: xr.Dataset, name: str) -> xr.Variable | None:
+    """A quantity with its symbol and its unit in a Dataset; None for a field of one's own."""
+    scales = dataset.attrs.get("scales_applied")
+    if scales is not None:
+        return _variable_in_si(name, 1.0, scales)
+    try:
+        row = describe(name, provenance.own_variable_texts(dataset))
+    except InputError:
+        return None
+    return xr.Variable((), 1.0, row.attributes())
 
 
 def _scale_texts(dataset: xr.Dataset) -> list[str]:

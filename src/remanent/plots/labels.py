@@ -19,6 +19,7 @@ __all__ = [
     "format_number",
     "lone_part_names",
     "math_symbol",
+    "number_with_unit",
     "value_label",
 ]
 
@@ -76,8 +77,21 @@ def value_label(array: xr.DataArray | xr.Variable, value: object) -> str:
     """
     if isinstance(value, str):
         return value
+    return number_with_unit(array, value, before=f"{_schema_attribute(array, 'symbol')} = ")
+
+
+def number_with_unit(array: xr.DataArray | xr.Variable, value: object, *, before: str = "") -> str:
+    """Return ``value unit``, with something in the formula before the value.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> attrs = {"units": "ms", "long_name": "time", "symbol": "t"}
+    >>> number_with_unit(xr.Variable((), 0.0, attrs), 14.14)
+    '$14.14$ ms'
+    """
     units = _typeset_units(array)
-    text = f"${_schema_attribute(array, 'symbol')} = {format_number(value)}$"
+    text = f"${before}{format_number(value)}$"
     return f"{text} {units}" if units else text
 
 

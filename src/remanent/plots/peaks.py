@@ -64,6 +64,27 @@ def resonances(
     -------
     list of matplotlib.lines.Line2D
         One for each peak, in order of temperature and frequency.
+
+    Raises
+    ------
+    InputError
+        A Dataset without what is drawn, or a word that Matplotlib does not know.
+
+    See Also
+    --------
+    remanent.resonances : The result that is drawn.
+    response : The response that has these peaks.
+    branch : The orbits that have these peaks.
+
+    Examples
+    --------
+    >>> import matplotlib.pyplot as plt
+    >>> import remanent as rm
+    >>> body = rm.Actuator(dissipation=rm.Rayleigh(0.2))
+    >>> ds = rm.resonances(body, rm.SineSquared(0.4, 1.0), (1.0, 1.4))
+    >>> len(rm.plot.resonances(ds))
+    1
+    >>> plt.close()
     """
     names = ("amplitude", "omega", "resonance_kind", "order_p", "order_q", "stability")
     with style.context_of(ax):

@@ -60,6 +60,28 @@ def step_response(
     -------
     list of matplotlib.lines.Line2D
         One per member, in order of temperature.
+
+    Raises
+    ------
+    InputError
+        A Dataset without what is drawn, measures of other motions, or a word that Matplotlib
+        does not know.
+
+    See Also
+    --------
+    remanent.step_response : The measures that are marked.
+    remanent.simulate : The motion that is drawn.
+    history : The motion alone.
+
+    Examples
+    --------
+    >>> import matplotlib.pyplot as plt
+    >>> import remanent as rm
+    >>> body, step = rm.Actuator(dissipation=rm.Rayleigh(0.5)), rm.Constant(0.1)
+    >>> motion = rm.simulate(body, step, duration=40)
+    >>> len(rm.plot.step_response(motion, rm.step_response(body, step, duration=40)))
+    1
+    >>> plt.close()
     """
     variable = observable_name(dataset)
     _require_measures(measures, dataset)

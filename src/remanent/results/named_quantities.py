@@ -47,6 +47,8 @@ _SCATTER_POWERS: Final[Mapping[str, int]] = MappingProxyType({"noise": 1, "chi_s
 _SETTINGS: Final[Mapping[str, str]] = MappingProxyType(
     {"discard": "duration", "every": "duration", "resonance_width": "omega"}
 )
+#: Settings that are no counts, even where a whole number was given.
+_NEVER_COUNTS: Final = frozenset({"duration", "parameter_range", "parameter_ranges"})
 #: Settings that are pairs of values of fields, with the attribute that names the fields.
 _RANGES: Final[Mapping[str, str]] = MappingProxyType(
     {"parameter_range": "parameter", "parameter_ranges": "parameters"}
@@ -107,7 +109,8 @@ def quantities_of(dataset: xr.Dataset, name: str) -> list[QuantityPower]:
 def attribute_quantity(dataset: xr.Dataset, name: str) -> list[str]:
     """Names of the quantities of the numbers in an attribute; empty for plain numbers.
 
-    Counts, which are integers, are plain.  One name stands for all numbers, or each for two.
+    Counts, which are integers, are plain; a length of time is none.  One name stands for all
+    numbers, or each for two.
 
     Raises
     ------
@@ -115,7 +118,7 @@ def attribute_quantity(dataset: xr.Dataset, name: str) -> list[str]:
         A number with a decimal point that no table describes.
     """
     value = dataset.attrs[name]
-    if np.asarray(value).dtype.kind != "f":
+    if np.asarray(value).dtype.kind not in ("fi" if name in _NEVER_COUNTS else "f"):
         return []
     if name in _RANGES:
         return str(dataset.attrs.get(_RANGES[name], "omega")).split()

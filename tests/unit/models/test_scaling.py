@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from typing import Any
 
 import numpy as np
@@ -34,6 +35,16 @@ def test_the_realistic_set() -> None:
     assert film.scales is not None
     assert film.scales.time_unit == pytest.approx(0.707e-3, rel=1e-3)
     assert film.temperature == film.reference_temperature == 293.0
+
+
+def test_a_misspelt_size_is_named() -> None:
+    """Whatever `from_si` takes is listed for a word that it does not know, the closest first."""
+    taken = set(inspect.signature(Actuator.from_si).parameters) - {"parts"}
+    taken |= {"material", "dissipation", "heat", "magnet"}
+    with pytest.raises(InputError, match="Did you mean `remanence`") as refused:
+        Actuator.from_si(**{**FILM, "remanance": "143 mT"})
+    listed = str(refused.value).partition("Name one of its fields: ")[2].rstrip(".")
+    assert set(listed.split(", ")) == taken
 
 
 def test_force_gives_the_nominal_stress() -> None:

@@ -13,7 +13,13 @@ from remanent.studies.sweep.study import Study, verbs_of_studies
 from tests.contracts.sound_calls import SOUND
 
 
-@pytest.mark.parametrize("verb", verbs_of_studies())
+@pytest.mark.parametrize(
+    "verb",
+    [
+        pytest.param(verb, marks=[pytest.mark.slow] if verb == "locate_bifurcation" else [])
+        for verb in verbs_of_studies()
+    ],
+)
 @pytest.mark.filterwarnings("ignore::remanent.InputWarning")
 def test_every_result_on_a_grid_is_drawn(verb: str) -> None:
     """One parameter and two; something is seen in the axes."""

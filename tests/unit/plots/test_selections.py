@@ -244,3 +244,26 @@ def test_nothing_sticks_out_of_a_column(name: str, width: float) -> None:
     assert box.x1 <= wide + 0.02
     assert box.y0 >= -0.02
     assert box.y1 <= high + 0.02
+
+
+def test_settings_in_si_are_said_once_converted() -> None:
+    """A duration of 60 ms is 60 ms below a figure, and so are what is discarded and ranges."""
+    block = rm.Actuator.from_si(
+        shear_modulus="100 kPa", density="2000 kg/m^3", half_length="5 mm",
+        half_thickness="0.5 mm", remanence="140 mT", dissipation=rm.Rayleigh(0.5),
+    )  # fmt: skip
+    untyped: Any = rm
+    run = untyped.frequency_response(block, DRIVE, ["200 Hz"], duration="60 ms", discard="30 ms")
+    text = footer.footer_text(rm.to_si(run))
+    assert "$t_w = 60$ ms" in text
+    assert "discard $30$ ms" in text
+    peaks = run.assign_attrs(
+        settings="duration parameter_range", parameter_range=(1.0, 1.4), parameter="omega",
+        duration=int(block.time("1 s")),
+    )  # fmt: skip
+    assert r"$\omega$ from $1$ to $1.4$" in footer.footer_text(peaks)
+    converted = rm.to_si(peaks)
+    low, high = converted.attrs["parameter_range"]
+    assert f"$f$ from ${low:.6g}$ to ${high:.6g}$ Hz" in footer.footer_text(converted)
+    # A whole number of units of tau is a length of time too.
+    assert 0.99e3 < converted.attrs["duration"] <= 1e3

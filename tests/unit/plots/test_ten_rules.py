@@ -33,6 +33,11 @@ from tests.unit.plots.pictures import TEMPERATURE, Picture, picture
 from tests.unit.plots.test_files import pdf_text
 from tests.unit.plots.test_selections import require_unlike_entries
 
+#: Functions that the fast tests look at closely: lines, branches, points and cells.  Of the others
+#: they look at one picture, where its result is at hand.
+CLOSELY = {"response", "branch", "section", "map"}
+#: Functions whose results take a while to compute.
+SLOWLY = {"bars", "energy_balance", "step_response"}
 #: Variants and styles that the fast tests look at; all are looked at when there is time.
 FAST = [("whole", "house"), ("12 members", "house"), ("losses", "house"), ("whole", "dark")]
 EVERY = [
@@ -41,13 +46,26 @@ EVERY = [
     for looks_of in pictures.STYLES
     if looks_of == "house" or variant in {"whole", "12 members", "12 words", "losses"}
 ]
-every_function = pytest.mark.parametrize("name", rm.plot.__all__)
+
+
+def slow_if(is_slow: bool) -> list[pytest.MarkDecorator]:
+    """The mark of a test that runs only when there is time."""
+    return [pytest.mark.slow] if is_slow else []
+
+
+every_function = pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=slow_if(name not in CLOSELY)) for name in rm.plot.__all__],
+)
 every_picture = pytest.mark.parametrize(
     ("name", "kinds"),
     [
         pytest.param(name, kinds, id=f"{name}-{how}", marks=marks)
         for name in rm.plot.__all__
-        for kinds, how, marks in ((FAST, "some", []), (EVERY, "all", [pytest.mark.slow]))
+        for kinds, how, marks in (
+            (FAST if name in CLOSELY else FAST[:1], "some", slow_if(name in SLOWLY)),
+            (EVERY, "all", slow_if(True)),
+        )
     ],
 )
 Kinds = list[tuple[str, str]]
@@ -259,10 +277,7 @@ def test_7_letters_have_6_to_8_5_points(name: str, kinds: Kinds) -> None:
 
 # 8. Files have TrueType fonts and fine pixels.
 
-one_or_all = [
-    pytest.param(name, marks=[] if name == "section" else [pytest.mark.slow])
-    for name in rm.plot.__all__
-]
+one_or_all = [pytest.param(name, marks=slow_if(name != "section")) for name in rm.plot.__all__]
 
 
 def own_figure(name: str) -> Figure:

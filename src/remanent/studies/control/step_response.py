@@ -70,8 +70,9 @@ def step_response(
         What moves.
     drive : Steps or Constant
         :class:`remanent.Steps`, or :class:`remanent.Constant`, one step at τ = 0.
-    duration : float, optional
-        Length of the run, τ; by default ten natural periods after the last step.
+    duration : float, str or quantity, optional
+        Length of the run, τ, or with a unit, ``"60 ms"``, where the actuator has SI sizes; by
+        default ten natural periods after the last step.
     band : float
         Share of the change within which the answer counts as settled.
     initial : array_like (state,), optional

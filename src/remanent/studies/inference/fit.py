@@ -95,10 +95,13 @@ def fit(
     initial : array_like (state,), optional
         State at τ = 0: stretch and rate of each coordinate in turn, to which internal variables
         and the temperature may be added; rest, (1, 0), by default.
-    duration, periods : float and int, optional
-        Length of the run of a response, in τ (100 by default) or in drive periods.
-    discard : float
-        Time at the beginning of the run of a response, τ, that does not count.
+    duration : float, str or quantity, optional
+        Length of the run of a response in τ, 100 by default; with a unit, ``"60 ms"``, where the
+        actuator has SI sizes.
+    periods : int, optional
+        The same in drive periods, in place of `duration`.
+    discard : float, str or quantity
+        Time at the beginning of the run of a response that does not count, as `duration`.
     confidence : float
         Of the intervals, between 0 and 1.
     profile : bool

@@ -18,6 +18,7 @@ from remanent.studies.ensemble.durations import require_exactly_one_argument, tr
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.ensemble.progress import ProgressArgument, as_progress
+from remanent.studies.ensemble.quantities import without_unit
 from remanent.studies.motion._passages import passages_dataset
 
 #: Name under which the formula stands among the observables.
@@ -38,6 +39,7 @@ def section_by_formula(
 ) -> xr.Dataset:
     """States at each passage of a section; see :func:`remanent.poincare_section`."""
     require_exactly_one_argument(duration=duration, periods=periods)
+    duration = without_unit("duration", duration, "time", ens.system)
     tolerance = require_tolerance(tolerance, "the global error of the state")
     signs = require_direction(direction)
     formula = _require_section(where, ens)

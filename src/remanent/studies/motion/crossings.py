@@ -53,8 +53,9 @@ def crossings(
         That it passes.  Rates that pass through 0 are extremes of the motion.
     direction : str
         ``"up"``, ``"down"``, or ``"both"``, which includes touches.
-    duration : float, optional
-        Length of the run in units of tau.
+    duration : float, str or quantity, optional
+        Length of the run in units of tau; with a unit, ``"60 ms"``, where
+        the actuator has SI sizes.
     periods : int, optional
         Length of the run in smallest periods of the load.  Exactly one of `duration` and
         `periods` must be given.

@@ -57,8 +57,9 @@ def energy_balance(
         What moves.
     drive : Drive, or mapping of str to Drive
         The magnetic load on it.
-    duration : float, optional
-        Length of the run in units of tau.
+    duration : float, str or quantity, optional
+        Length of the run in units of tau; with a unit, ``"60 ms"``, where
+        the actuator has SI sizes.
     periods : int, optional
         Length of the run in smallest periods of the load.
     times : array_like (time,), optional

@@ -69,8 +69,9 @@ def poincare_section(
         parameters and loads, such as ``"z - 27"``, that vanishes on it.
     direction : int
         Which passages of the section: 1 where the formula grows, -1 where it falls, 0 both.
-    duration : float, optional
-        Length of the run in tau, in place of `periods`, where there is a section.
+    duration : float, str or quantity, optional
+        Length of the run in tau, in place of `periods`, where there is a section; with a unit,
+        ``"60 ms"``, where the actuator has SI sizes.
     initial : array_like (2,), (4,) or (state,), optional
         State to start from; rest by default, as for :func:`remanent.simulate`.
     over : mapping of str to array_like or DataArray, optional

@@ -68,8 +68,9 @@ def lyapunov(
     periods : int, optional
         Length of the run in smallest periods of the load.  The first tenth is left out of
         the average.
-    duration : float, optional
-        Length of the run in tau, under ``rm.Constant``: of systems without a load too.
+    duration : float, str or quantity, optional
+        Length of the run in tau, under ``rm.Constant``: of systems without a load too.  With a
+        unit, ``"60 ms"``, where the actuator has SI sizes.
     count : int
         How many exponents, the largest first; at most as many as there are state variables.
     initial : array_like (state,), optional

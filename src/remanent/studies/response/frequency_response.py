@@ -91,12 +91,13 @@ def frequency_response(
         A load with a field ``omega``, whose value is not used.
     omega : array (omega,)
         Drive frequencies, radians per unit of tau, increasing, positive.
-    duration : float, optional
-        Length of each run in tau, 100 by default.
+    duration : float, str or quantity, optional
+        Length of each run in tau, 100 by default; with a unit, ``"60 ms"``, where
+        the actuator has SI sizes.
     periods : int, optional
         Length of each run in drive periods, in place of `duration`.
-    discard : float
-        Time at the beginning, tau, that does not count.
+    discard : float, str or quantity
+        Time at the beginning that does not count, as `duration`.
     initial : array_like (state,), optional
         State at the start; rest by default.
     over : mapping of name to values, optional
