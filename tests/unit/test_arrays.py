@@ -189,7 +189,7 @@ CALLS: dict[str, tuple[Callable[[], Any], str]] = {
     "number": (lambda: LOOSE.Actuator(dissipation=0.05), r"Pass for example rm\.Rayleigh\(0\.05\)"),
     "empty text": (lambda: LOOSE.Actuator(dissipation=""), "`dissipation` must be a Dissipation"),
     "scales": (lambda: LOOSE.Actuator(scales=5), "`scales` must be"),
-    "swapped": (lambda: LOOSE.simulate(DRIVE, FILM, duration=1.0), "The system comes first"),
+    "swapped": (lambda: LOOSE.simulate(DRIVE, FILM, duration=1.0), "Pass the system first"),
     "many values": (lambda: FILM.frequency(np.linspace(50.0, 1000.0, 400)), r"\.\.\."),
     "no netCDF": (lambda: LOOSE.load(__file__.replace(".py", ".nc")), "There is none of that name"),
 }  # fmt: skip
