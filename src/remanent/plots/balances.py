@@ -56,6 +56,25 @@ def energy_balance(
     -------
     list of matplotlib.lines.Line2D
         The work.
+
+    Raises
+    ------
+    InputError
+        A Dataset without what is drawn, or a word that Matplotlib does not know.
+
+    See Also
+    --------
+    history : The motion itself.
+    remanent.energy_balance : The result that is drawn.
+
+    Examples
+    --------
+    >>> import matplotlib.pyplot as plt
+    >>> import remanent as rm
+    >>> damped = rm.Actuator(dissipation=rm.Rayleigh(0.05))
+    >>> ds = rm.energy_balance(damped, rm.SineSquared(0.4, 1.25), duration=20.0)
+    >>> (work,) = rm.plot.energy_balance(ds)
+    >>> plt.close()
     """
     lost = _name_of_loss(dataset)
     names = ("drive_work", "stored_energy", lost, "balance", "time")

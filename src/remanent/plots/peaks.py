@@ -64,6 +64,25 @@ def resonances(
     -------
     list of matplotlib.lines.Line2D
         One for each peak, in order of temperature and frequency.
+
+    Raises
+    ------
+    InputError
+        A Dataset without what is drawn, or a word that Matplotlib does not know.
+
+    See Also
+    --------
+    response : What the marks are drawn over.
+    remanent.resonances : The result that is drawn.
+
+    Examples
+    --------
+    >>> import matplotlib.pyplot as plt
+    >>> import remanent as rm
+    >>> damped = rm.Actuator(dissipation=rm.Rayleigh(0.2))
+    >>> ds = rm.resonances(damped, rm.SineSquared(0.3, 1.0), (0.9, 1.4))
+    >>> (mark,) = rm.plot.resonances(ds)
+    >>> plt.close()
     """
     names = ("amplitude", "omega", "resonance_kind", "order_p", "order_q", "stability")
     with style.context_of(ax):

@@ -60,6 +60,25 @@ def step_response(
     -------
     list of matplotlib.lines.Line2D
         One per member, in order of temperature.
+
+    Raises
+    ------
+    InputError
+        A Dataset without what is drawn, or a word that Matplotlib does not know.
+
+    See Also
+    --------
+    history : A motion without marks.
+    remanent.step_response : The measures that are drawn.
+
+    Examples
+    --------
+    >>> import matplotlib.pyplot as plt
+    >>> import remanent as rm
+    >>> damped, step = rm.Actuator(dissipation=rm.Rayleigh(0.2)), rm.Constant(0.1)
+    >>> ds = rm.simulate(damped, step, duration=40.0)
+    >>> (line,) = rm.plot.step_response(ds, rm.step_response(damped, step))
+    >>> plt.close()
     """
     variable = observable_name(dataset)
     _require_measures(measures, dataset)
