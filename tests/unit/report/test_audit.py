@@ -17,6 +17,11 @@ def evidence(setting: Setting, numbers: str) -> Any:
     return SimpleNamespace(setting=setting, numbers=numbers)
 
 
+def found(evidence: Any) -> dict[str, Finding]:
+    """A claim holds, by these numbers."""
+    return {"": Finding(True, evidence.numbers)}
+
+
 REFERENCE = evidence(Setting(), "0.25")
 COARSER = evidence(Setting(), "0.26")
 FURTHER = evidence(Setting(b=0.38), "0.31")
@@ -27,8 +32,7 @@ def test_the_setting_of_the_reference_is_not_counted_again(
     alternatives: list[Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Law: evidence for the same setting changes neither the numbers nor the count."""
-    claim: Any = Claim("1", "x", lambda e: {"": Finding(True, e.numbers)}, "picture")
-    monkeypatch.setattr(audit, "CLAIMS", (claim,))
+    monkeypatch.setattr(audit, "CLAIMS", (Claim("1", "x", found, "picture"),))
     (verdict,) = audit.audit(REFERENCE, alternatives)
     text = " The same at 1 further setting of what the article leaves unstated."
     assert verdict.verdict == "supported"
