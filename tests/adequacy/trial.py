@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import enum
 import os
-import resource
 import shutil
 import signal
 import sys
@@ -113,6 +112,8 @@ def judge(
 
 def _in_a_process(work: Callable[[], int], limit: float) -> int | None:
     """How a process ended that does `work`, or None if it took too long."""
+    import resource  # Windows has none, and no processes that part
+
     child = os.fork()
     if child == 0:
         os.setsid()

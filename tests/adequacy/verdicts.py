@@ -8,13 +8,15 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from scipy.stats import binomtest
 
 from tests.adequacy.core import package_of
-from tests.adequacy.mutants import Mutant
 from tests.adequacy.trial import Verdict
+
+if TYPE_CHECKING:  # counting needs nothing of what makes mutants
+    from tests.adequacy.mutants import Mutant
 
 _EQUIVALENT_FILE: Final = Path(__file__).with_name("equivalent.toml")
 _EQUIVALENT: Final = "equivalent"

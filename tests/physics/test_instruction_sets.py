@@ -54,6 +54,12 @@ def kernels_for(target: TargetProcessor) -> Iterator[None]:
             compiling._cached_kernel.cache_clear()
 
 
+def alike(one: TargetProcessor, other: TargetProcessor) -> bool:
+    """Whether code for both may round in the same way."""
+    fused = one.has_feature("fma") == other.has_feature("fma")
+    return fused and one.lane_count == other.lane_count
+
+
 def response() -> xr.Dataset:
     """A driven, damped actuator at several frequencies: regular motion."""
     return rm.simulate(
@@ -95,8 +101,9 @@ def test_trajectories_agree_with_those_of_this_processor_within_their_errors(nam
         difference = abs(there[variable] - here[variable]).max("time")
         assert (difference <= here.error + there.error).all()
     assert float(there.error.max()) <= TOLERANCE
-    # Other instructions round otherwise: it was other code that ran.
-    assert name == "avx512" or not there.stretch.equals(here.stretch)
+    # Other instructions round otherwise, and groups of other sizes step otherwise.
+    if not alike(target, host_processor()):
+        assert not there.stretch.equals(here.stretch)
 
 
 @pytest.mark.slow

@@ -40,14 +40,16 @@ def audit(reference: ClaimEvidence, alternatives: Sequence[ClaimEvidence]) -> li
     reference : ClaimEvidence
         Evidence for the reference setting, whose numbers are reported.
     alternatives : sequence of ClaimEvidence
-        Evidence for further settings of what [Thermal] leaves unstated.
+        Evidence for further settings of what [Thermal] leaves unstated. One for the setting of
+        `reference` is left out: no setting votes twice.
 
     Returns
     -------
     list of ClaimVerdict
         One for each of :data:`~remanent.report.claims.CLAIMS`, in their order.
     """
-    return [_decide_claim(claim, reference, alternatives) for claim in CLAIMS]
+    further = [evidence for evidence in alternatives if evidence.setting != reference.setting]
+    return [_decide_claim(claim, reference, further) for claim in CLAIMS]
 
 
 def _decide_claim(
@@ -65,9 +67,9 @@ def _decide_claim(
     )
     holds = [finding.holds for _, _, finding in votes]
     if all(holds):
-        return ClaimVerdict(claim, "supported", f"{numbers} {_agreement_text(alternatives)}")
+        return ClaimVerdict(claim, "supported", numbers + _agreement_text(alternatives))
     if not any(holds):
-        return ClaimVerdict(claim, "contradicted", f"{numbers} {_agreement_text(alternatives)}")
+        return ClaimVerdict(claim, "contradicted", numbers + _agreement_text(alternatives))
     return ClaimVerdict(claim, "depends", f"{numbers} {_dependence_text(votes)}")
 
 
@@ -75,8 +77,8 @@ def _agreement_text(alternatives: Sequence[ClaimEvidence]) -> str:
     """At how many further settings the answer is the same."""
     if not alternatives:
         return ""
-    count = len(alternatives)
-    return f"The same at {count} further settings of what the article leaves unstated."
+    settings = f"{len(alternatives)} further setting{'s' if len(alternatives) > 1 else ''}"
+    return f" The same at {settings} of what the article leaves unstated."
 
 
 def _dependence_text(votes: Sequence[tuple[Setting, str, Finding]]) -> str:
