@@ -114,7 +114,7 @@ def bars(
                 "facecolor": colour,
                 "height": _BAR_HEIGHT_SHARE * thickness,
                 "label": label,
-                "hatch": _HATCHINGS[k % len(_HATCHINGS)],
+                "hatch": _HATCHINGS[(k + k // len(_HATCHINGS)) % len(_HATCHINGS)],
                 "edgecolor": axes.get_facecolor(),
                 "linewidth": 0.0,
                 **bar,

@@ -8,8 +8,9 @@ every figure (240 K to 410 K, wider where the data need it), so that a colour me
 temperature and not a place in a legend.
 
 Other numbers, from three values on, take *viridis*, cut in the same way.  Words take the
-colours of Okabe and Ito (2008), of which orange and sky are darkened for lines on white;
-words are told apart by line style, marker or letter too.
+colours of Okabe and Ito (2008), of which sky is darkened for lines on white, and purple and
+orange, which becomes a brown, differ from green and vermillion for every reader; words are told
+apart by line style, marker or letter too.
 """
 
 from __future__ import annotations
@@ -49,8 +50,8 @@ OKABE_ITO_COLOURS: Final[Mapping[str, str]] = MappingProxyType(
         "blue": "#0072B2",
         "vermillion": "#D55E00",
         "green": "#009E73",
-        "purple": "#CC79A7",
-        "orange": "#B07800",
+        "purple": "#C478AC",
+        "brown": "#8C5A00",
         "sky": "#2F8FD0",
         "black": "#000000",
     }
@@ -73,8 +74,9 @@ _DARK_GROUND_RANGE: Final = (0.4, 1.0)
 _DARK_GROUND_BRIGHTNESS: Final = 0.35
 #: Number of colours in a map that is cut from another one.
 _MAP_COLOUR_COUNT: Final = 256
-#: Most numbers that are named one by one; more get a colour bar.
-MAX_NAMED_NUMBER_COUNT: Final = 6
+#: Most numbers that are named one by one; of more, neighbours differ by less than 10 in lightness,
+#: and get a colour bar.
+MAX_NAMED_NUMBER_COUNT: Final = 4
 #: Ratio of the largest to the smallest number from which a scale is logarithmic.
 _MIN_LOGARITHMIC_RATIO: Final = 30.0
 

@@ -186,19 +186,21 @@ def split_by_colour(
     Raises
     ------
     InputError
-        As there, or there are more pairs than colours.
+        As there, or there are more words or pairs than colours.
     """
     members = [replace(m, line_style="-") for m in split_into_members(dataset, names, along)]
-    if len({member.style_label for member in members}) < 2:
-        return members
-    if len(members) > len(style.OKABE_ITO_COLOURS):
+    is_of_pairs = len({member.style_label for member in members}) > 1
+    is_of_words = is_of_pairs or any(member.word_number for member in members)
+    if is_of_words and len(members) > len(style.OKABE_ITO_COLOURS):
         raise InputError(
             "dataset",
-            must=f"have at most {len(style.OKABE_ITO_COLOURS)} pairs of values",
+            must=f"have at most {len(style.OKABE_ITO_COLOURS)} {'pairs of ' * is_of_pairs}values",
             got=len(members),
             why="The line style says stability, so that colours alone tell lines apart.",
             fix="Select values first, and draw several figures or axes.",
         )
+    if not is_of_pairs:
+        return members
     return [
         replace(member, colour=tone, colour_label=member.label, style_label="", number=None,
                 scale=None, word_number=None)

@@ -37,7 +37,9 @@ _MIN_SIZE_POINTS: Final = 6.0
 _SIZE_STEP_POINTS: Final = 0.5
 #: Share of the width of a figure that is free beside a colour bar, and without one.
 _FREE_WIDTH_SHARE: Final = 0.93
-_FREE_WIDTH_SHARE_BESIDE_BAR: Final = 0.75
+_FREE_WIDTH_SHARE_BESIDE_BAR: Final = 0.62
+#: Share of the width of axes that a colour bar and its label leave in a small figure.
+_WIDTH_SHARE_BESIDE_BAR: Final = 0.6
 #: Size of a note over that of a legend, and the lines that it has at most.
 _NOTE_SIZE_RATIO: Final = 0.875
 _MAX_NOTE_LINE_COUNT: Final = 2
@@ -217,19 +219,23 @@ def _free_width(owner: Axes | Figure) -> float:
     if place is None or figure is None:
         return 72.0 * inches * owner.get_position().width
     grid = place.get_gridspec()
-    has_bar = any(other.get_label() == "<colorbar>" for other in figure.axes)
-    share = _FREE_WIDTH_SHARE_BESIDE_BAR if has_bar else _FREE_WIDTH_SHARE
+    share = _FREE_WIDTH_SHARE_BESIDE_BAR if _has_bar(figure) else _FREE_WIDTH_SHARE
     return float(share * 72.0 * inches * len(place.colspan) / grid.ncols)
 
 
+def _has_bar(figure: Figure | None) -> bool:
+    return figure is not None and any(one.get_label() == "<colorbar>" for one in figure.axes)
+
+
 def _width_of(axes: Axes) -> float:
-    """Width of axes beside labels of ticks that are words, in points."""
+    """Width of axes beside a colour bar and labels of ticks that are words, in points."""
     figure, place = axes.get_figure(root=True), axes.get_position()
     points_of_figure = 72.0 * (figure.get_figwidth() if figure else _USUAL_FIGURE_WIDTH_INCHES)
     size = points(mpl.rcParams["ytick.labelsize"])
     words = [text_width(label.get_text(), size) for label in axes.get_yticklabels()]
     beyond = max([*words, 0.0]) - place.x0 * points_of_figure
-    return float(points_of_figure * place.width - max(beyond, 0.0))
+    share = _WIDTH_SHARE_BESIDE_BAR if _has_bar(figure) else 1.0
+    return float(share * points_of_figure * place.width - max(beyond, 0.0))
 
 
 def _write_note(axes: Axes, note: str) -> float:

@@ -152,7 +152,8 @@ def cues(artist: Any) -> tuple[str, ...]:
                 str(artist.get_marker()))  # fmt: skip
     if isinstance(artist, PathCollection):
         # Open or full, and the shape of the first point.
-        return (str(len(artist.get_facecolor())), str(np.shape(artist.get_paths()[0].vertices)))
+        outline = np.asarray(artist.get_paths()[0].vertices)
+        return (str(len(artist.get_facecolor())), str(np.round(outline, 3).tolist()))
     return (str(pictures.main_artist(artist).get_hatch()),)
 
 
