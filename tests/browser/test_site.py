@@ -114,9 +114,17 @@ def test_links_lead_somewhere(pages: list[HtmlPage]) -> None:
 
 
 def test_pictures_are_enlarged_and_described(pages: list[HtmlPage]) -> None:
-    """Law: each picture is a link to its file, and some words say what is seen."""
-    pictures = [(page.file.name, *one) for page in pages for one in page.pictures]
+    """Law: each picture is a link to its file, and some words say what is seen.
+
+    A small picture beside words leads to the place on its page where it is large; the words of
+    that link are its description.
+    """
+    every = [(page.file.name, *one) for page in pages for one in page.pictures]
+    small = [one for one in every if (one[2] or "").startswith("#") and not one[3]]
+    pictures = [one for one in every if one not in small]
     assert len(pictures) > 10
+    large = {(page, source) for page, source, _, _ in pictures}
+    assert {(page, source) for page, source, _, _ in small} <= large
     assert not [(page, source) for page, source, link, _ in pictures if link != source]
     assert not [(page, source) for page, source, _, text in pictures if len(text.split()) < 4]
 
