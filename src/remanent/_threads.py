@@ -7,7 +7,7 @@ by an event: :func:`raise_if_stopped`, which every call of a kernel asks first, 
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from contextvars import ContextVar, copy_context
@@ -16,6 +16,7 @@ from typing import Any, Self, TypeVar
 
 from remanent._machine import available_processor_count
 
+S = TypeVar("S")
 T = TypeVar("T")
 #: Longest time for which a thread waits for others at a stretch.
 _WAITING_SECONDS = 0.1
@@ -89,6 +90,25 @@ class StoppableThreads(ThreadPoolExecutor):
         if kind is not None:
             self._stop_event.set()
         self.shutdown(wait=kind is None, cancel_futures=kind is not None)
+
+
+def results_of_all(work: Callable[[S], T], parts: Sequence[S]) -> list[T]:
+    """The results of `work` for all parts, by as many threads as there are processors.
+
+    With one processor, or one part, this thread does it.
+
+    Parameters
+    ----------
+    work : callable
+    parts : sequence
+    """
+    if len(parts) == 1 or available_processor_count() == 1:
+        return [work(part) for part in parts]
+    with StoppableThreads() as pool:
+        futures = [pool.submit(work, part) for part in parts]
+        for future in as_finished(futures):
+            future.result()  # raises at once what one of them raised
+    return [future.result() for future in futures]
 
 
 def as_finished(futures: Collection[Future[T]]) -> Iterator[Future[T]]:

@@ -19,6 +19,7 @@ from remanent._threads import (
     WorkStopped,
     as_finished,
     raise_if_stopped,
+    results_of_all,
     work_stopped_after,
 )
 
@@ -123,3 +124,37 @@ def test_work_is_awaited_a_little_at_a_time(monkeypatch: pytest.MonkeyPatch) -> 
     assert sorted(ended) == [0, 1, 2, 3]
     assert len(limits) > 2
     assert set(limits) == {0.01}
+
+
+@pytest.mark.parametrize("processors", [1, 2, 3])
+def test_results_of_all_parts_come_in_their_order(
+    processors: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whoever computes them: one processor takes no second thread."""
+    monkeypatch.setattr(_threads, "available_processor_count", lambda: processors)
+    threads = set()
+
+    def square(number: int) -> int:
+        threads.add(threading.current_thread())
+        return number**2
+
+    assert results_of_all(square, range(20)) == [k**2 for k in range(20)]
+    assert (threads == {threading.current_thread()}) == (processors == 1)
+    assert results_of_all(square, []) == []
+
+
+def test_an_error_of_one_part_stops_the_others(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What one part raised comes out, while another would have worked for long."""
+    monkeypatch.setattr(_threads, "available_processor_count", lambda: 2)
+    started = threading.Event()
+
+    def work(part: int) -> None:
+        if part:
+            work_until_stopped(started)
+        assert started.wait(PATIENCE)
+        raise ZeroDivisionError
+
+    begin = time.monotonic()
+    with pytest.raises(ZeroDivisionError):
+        results_of_all(work, [0, 1])
+    assert time.monotonic() - begin < PATIENCE

@@ -12,6 +12,13 @@ from remanent._typing import FloatArray, IntArray
 #: Tables of cycles with more double steps than this are made in blocks: a run without a period
 #: is one cycle, whose whole tables may not fit into memory.
 _MOST_DOUBLE_STEPS_OF_WHOLE_TABLES = 2**18
+#: Tables of at most so many double steps are short: all that are in use are remembered, in some
+#: megabytes.  Of longer ones, which a run takes long to go through once, only the last are.
+_MOST_DOUBLE_STEPS_OF_SHORT_TABLES = 2**9
+_REMEMBERED_SHORT_TABLES = 128
+_REMEMBERED_LONG_TABLES = 1
+#: Steps of a table that are filled at once, so that little memory is needed beside it.
+_STEPS_FILLED_AT_ONCE = 2**10
 #: Double steps of a block.
 _DOUBLE_STEPS_PER_BLOCK = 2**12
 #: Blocks that are remembered, by all threads: parts of one block are asked for in turn.
@@ -54,9 +61,9 @@ def cycle_tables(waveform: Callable[[FloatArray], FloatArray], shift: float) -> 
 class CycleTables:
     """The tables of one load, made once for each resolution.
 
-    What changes: tables that were made are remembered, the last 256 of them, and the last few
-    blocks of longer ones.  They are the same however often they are asked for, and may be asked
-    for by several threads.
+    What changes: short tables that were made are remembered, and the last few of longer ones and
+    of blocks.  They are the same however often they are asked for, and may be asked for by
+    several threads.
 
     Parameters
     ----------
@@ -65,7 +72,6 @@ class CycleTables:
     """
 
     def __init__(self, waveform: Callable[[FloatArray], FloatArray], shift: float = 0.0) -> None:
-        @lru_cache(maxsize=256)
         def tables(nodes: tuple[float, ...], double_steps: int) -> tuple[FloatArray, FloatArray]:
             return build_waveform_tables(waveform, nodes, double_steps, shift)
 
@@ -77,14 +83,16 @@ class CycleTables:
             part = slice(begin, min(begin + _DOUBLE_STEPS_PER_BLOCK, double_steps))
             return _build_rows(waveform, nodes, double_steps, shift, part)
 
-        self._cached_tables = tables
+        self._short_tables = lru_cache(maxsize=_REMEMBERED_SHORT_TABLES)(tables)
+        self._long_tables = lru_cache(maxsize=_REMEMBERED_LONG_TABLES)(tables)
         self._cached_block = block
 
     def __call__(
         self, nodes: tuple[float, ...], double_steps: int
     ) -> tuple[FloatArray, FloatArray]:
         """The tables for steps with these nodes, with so many double steps in a cycle."""
-        return self._cached_tables(nodes, double_steps)
+        is_short = double_steps <= _MOST_DOUBLE_STEPS_OF_SHORT_TABLES
+        return (self._short_tables if is_short else self._long_tables)(nodes, double_steps)
 
     def rows(
         self, nodes: tuple[float, ...], double_steps: int, part: slice
@@ -130,7 +138,13 @@ def _build_waveform_table(
     numbers: IntArray,
 ) -> FloatArray:
     """Phase and waveforms at the nodes of those of the steps that have these numbers."""
-    phase = (numbers[:, None] + np.array(nodes)) / steps + shift
-    phase = np.where(phase > 1.0, phase - 1.0, phase)
-    values = np.asarray(waveform(phase), dtype=float).reshape(-1, *phase.shape)
-    return np.ascontiguousarray(np.concatenate([phase[None], values]).transpose(1, 2, 0))
+    waveform_count = np.asarray(waveform(np.zeros((1, 1)))).size
+    table = np.empty((numbers.size, len(nodes), 1 + waveform_count))
+    for first in range(0, numbers.size, _STEPS_FILLED_AT_ONCE):
+        rows = slice(first, first + _STEPS_FILLED_AT_ONCE)
+        phase = (numbers[rows, None] + np.array(nodes)) / steps + shift
+        phase = np.where(phase > 1.0, phase - 1.0, phase)
+        table[rows, :, 0] = phase
+        values = np.asarray(waveform(phase), dtype=float).reshape(waveform_count, *phase.shape)
+        table[rows, :, 1:] = np.moveaxis(values, 0, -1)
+    return table

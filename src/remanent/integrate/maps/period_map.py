@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 
 from remanent._field import Field
-from remanent._threads import StoppableThreads, as_finished
+from remanent._threads import results_of_all
 from remanent._typing import FloatArray, IntArray
 from remanent.integrate.ensemble.resolution import (
     FINE_RESOLUTION_LADDER,
@@ -285,14 +285,7 @@ class PeriodMap:
         def advance(chunk: FloatArray) -> FloatArray | None:
             return self._advance_chunk(chunk, level, course)
 
-        if len(chunks) == 1:
-            records = [advance(chunks[0])]
-        else:
-            with StoppableThreads() as pool:
-                futures = [pool.submit(advance, chunk) for chunk in chunks]
-                for future in as_finished(futures):
-                    future.result()  # raises at once what one of them raised
-            records = [future.result() for future in futures]
+        records = results_of_all(advance, chunks)
         if not course.keeps_visited_states:
             return None
         joined = np.concatenate([r for r in records if r is not None], axis=1)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from remanent._errors import InputError
-from remanent._threads import StoppableThreads
+from remanent._threads import results_of_all
 from remanent.results.build import padding_of
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.progress import ProgressFunction
@@ -58,8 +58,7 @@ def map_members_in_threads(
             report(len(finished) / ens.trajectory_count)
         return outcome
 
-    with StoppableThreads() as pool:
-        return list(pool.map(compute_member, range(ens.trajectory_count)))
+    return results_of_all(compute_member, range(ens.trajectory_count))
 
 
 def stack_padded(arrays: Sequence[NDArray[Any]], shortest: NDArray[Any]) -> NDArray[Any]:

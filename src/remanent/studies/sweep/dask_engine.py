@@ -68,8 +68,12 @@ def local_workers(count: int, threads: int | None = None) -> Iterator[Any]:
         "distributed.deploy.lost-worker-timeout": f"{_LOST_AFTER_SECONDS}s",
         "distributed.worker.memory.target": False,
         "distributed.worker.memory.spill": False,
-        # Looking at what runs, and giving memory back at once, take a tenth of the time each.
+        # Looking at what runs, and giving memory back at once, take a tenth of the time each;
+        # looking at oneself many times a second keeps tasks from the interpreter.
         "distributed.worker.profile.enabled": False,
+        "distributed.worker.memory.monitor-interval": "1s",
+        "distributed.admin.tick.interval": "1s",
+        "distributed.admin.system-monitor.interval": "5s",
         "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": None,
     }
     environment = {THREADS_VARIABLE: str(threads or max(1, processors // count))}

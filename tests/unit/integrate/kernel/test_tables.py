@@ -47,3 +47,26 @@ def test_a_motion_that_escapes_early_takes_no_memory_for_the_rest_of_its_run() -
     assert 2.0 < float(motion.horizon) < 3.0
     assert int(motion.status) != int(rm.Status.OK)
     assert most < 3e8
+
+
+def test_tables_are_the_load_at_the_nodes_of_each_step() -> None:
+    """Also where a table is filled in several goes, and starts within a cycle."""
+    steps, shift = 4000, 0.3
+    _, coarse = tables.build_waveform_tables(waves, NODES, steps, shift)
+    phase = (np.arange(steps)[:, None] + np.array(NODES)) / steps + shift
+    phase = np.where(phase > 1.0, phase - 1.0, phase)
+    np.testing.assert_array_equal(coarse[..., 0], phase)
+    np.testing.assert_array_equal(np.moveaxis(coarse[..., 1:], -1, 0), waves(phase))
+
+
+def test_memory_of_tables_does_not_grow_with_the_number_of_resolutions() -> None:
+    """A chart with chaos asks for every long resolution once; only the last table is kept."""
+    cycle = tables.CycleTables(waves)
+    tracemalloc.start()
+    longest = sum(table.nbytes for table in cycle(NODES, 9000))
+    for double_steps in range(8000, 9000, 50):
+        cycle(NODES, double_steps)
+    kept, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert kept < 1.1 * longest
+    assert most < 2.5 * longest
