@@ -86,11 +86,12 @@ _SPEED = """\
 
 Times are in microseconds of one core per trajectory and unit of $\\tau$, each tool at the
 cheapest of its settings with which its worst error is within $10^{-8}$; [measured
-speed](results.md) has what each tool was given to do.
+speed and errors](results.md) has what each tool was given to do.
 """
 _TARGETS = """\
-Further work, and what is asked of each: `aim` where the aim is reached, `yes` where the least
-that is asked is.
+Further work, and the targets of each: *measured* is how many times as fast as the other this
+package is, where the row says nothing else; *at least* is what it has to reach, *aim* what it
+should, and *met* says which of them it reached. A row "not measured" has no result yet.
 """
 
 

@@ -228,7 +228,7 @@ _HEAD: Final = """\
 
 Each picture is one short script, which runs as it stands and writes the picture into the current
 folder; click one to see its question, answer, code and source. The scripts are in the folder
-`examples` of the repository, and a test holds the number behind each answer. Some are notebooks
+`examples` of the repository, and a test checks the number behind each answer. Some are notebooks
 too.
 
 ```{raw} html
@@ -243,7 +243,7 @@ too.
 """
 
 _EXPLORER_THUMBNAIL: Final = """\
-**A page that is alive**
+**A live page**
 
 ````{container} gallery
 [![](_static/explorer.png) Can a reader move the sliders?](#gallery-explorer)
@@ -252,7 +252,7 @@ _EXPLORER_THUMBNAIL: Final = """\
 
 _EXPLORER: Final = """\
 (gallery-explorer)=
-## A page that is alive
+## A live page
 
 `remanent explore --save page.html` writes one file that works without a server: the motion follows
 its sliders, and responses, branches, basins and charts are in it as they were computed. See

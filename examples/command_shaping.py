@@ -5,7 +5,7 @@ turns round exactly at its target, and there the second holds it, as magnetic an
 elastic force balance. A single step overshoots by the whole move and rings for ever.
 The published scheme switches at the same point of balance; its numbers were not at
 hand, so the loads are compared with their closed forms m₁ = (x − 1)(x + 2)/2x and m₂ =
-(x³ − 1)/x².
+(x³ − 1)/x², x being the thickness stretch at the target.
 
 Figure: Above, one step makes the thickness stretch swing between 1 and 1.64 while two
 steps bring it to 1.3 and keep it there; below, the two loads.

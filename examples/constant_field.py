@@ -1,9 +1,9 @@
 """How far does a block swing when a field is switched on, and what does warmth change?
 
-It swings past its equilibrium up to the root of x² + (1 − 2β)x − 2 = 0, where β = m
-T₀/T, and back to where it started. Nothing takes energy from it, so the orbits are
-closed and the motion never settles. The warmer the block, the stiffer it is, and the
-smaller is its swing.
+It swings past its equilibrium, up to the thickness stretch x with x² + (1 − 2β)x − 2 =
+0, where β = m T₀/T and m is the load, and back to where it started. Nothing takes
+energy from it, so the orbits are closed and the motion never settles. The warmer the
+block, the stiffer it is, and the smaller is its swing.
 
 Figure: Thickness stretch against time and its phase plane at three temperatures: closed
 orbits, the larger the colder; the marks are the turning points that the energy gives.

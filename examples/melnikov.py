@@ -2,7 +2,8 @@
 
 Melnikov's method says that below F/δ = 4 cosh(πω/2) / (3√2 πω) the motion near the
 saddle is not entangled: no point of the chart below that line is chaotic. Chaos that
-lasts needs a stronger force than the line says.
+lasts needs a stronger force than the line says. Hatched points are undecided after the
+150 periods computed; longer runs decide more of them.
 
 Figure: Regimes over frequency and force: chaotic and periodic cells in a tongue that
 lies above Melnikov's line everywhere.

@@ -2,7 +2,8 @@
 
 The block follows a slow magnet and is at rest when it has gone; a fast one leaves it
 ringing. For a field m₀/(1 + τ²/t²) the ringing has the amplitude (π m₀ t/√6) exp(−√6
-t), as long as it is small: twice as slow is not twice but exponentially calmer.
+t), as long as it is small: twice as slow is not twice but exponentially calmer. The
+ringing is largest at t = 1/√6; a magnet that passes faster still pushes too briefly.
 
 Figure: Left, thickness stretch while a magnet passes by at three speeds: the fast one
 leaves ringing; right, the ringing against the time of passage on a logarithmic axis, on

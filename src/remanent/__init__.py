@@ -22,10 +22,21 @@ def __getattr__(name: str) -> object:
         value: object = import_module("remanent.plots")
     elif name == "__version__":
         value = import_module("importlib.metadata").version("remanent")
-    else:
+    elif name in __all__ or name == "plots":
         value = _explained_public_function(name, _lazy_attribute(name))
+    else:
+        raise AttributeError(_unknown_name_text(name), name=name)
     globals()[name] = value
     return value
+
+
+def _unknown_name_text(name: str) -> str:
+    """That there is no such name, and the nearest one that there is."""
+    from difflib import get_close_matches
+
+    closest = () if name.startswith("_") else get_close_matches(name, __all__, n=1)
+    meant = f" Did you mean `{closest[0]}`?" if closest else ""
+    return f"No remanent attribute {name}.{meant}"
 
 
 def _explained_public_function(name: str, value: object) -> object:
@@ -43,4 +54,5 @@ def _explained_public_function(name: str, value: object) -> object:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    own = {name for name in globals() if name.startswith("__")}
+    return sorted({*own, *__all__})

@@ -171,6 +171,12 @@ def _is_real(array: np.ma.MaskedArray[Any, Any]) -> bool:
 
 def remedy_for_kind(content: Any) -> str:
     """What to do about data of another kind; nothing where its kind is not at fault."""
+    if isinstance(content, str) and content[:1].isdigit() and content[-1:].isalpha():
+        return (
+            "Pass a plain number (temperatures in kelvin). An actuator that Actuator.from_si "
+            "made converts units: actuator.load('200 mT'), .frequency('50 Hz'), .time('20 ms'), "
+            ".viscosity('2 Pa s') or .stress('1 kPa')."
+        )
     if is_quantity(content):
         return (
             "Convert it first: actuator.time(...), .frequency(...), .load(...) or .stress(...) "

@@ -16,6 +16,7 @@ import pytest
 
 import remanent as rm
 from docs import pages
+from remanent._extras import PACKAGES_OF_EXTRA
 from remanent.results.schema import DESCRIPTIONS
 from remanent.studies.sweep.study_file import read_study
 
@@ -195,7 +196,7 @@ OUTSIDE = {
 LANGUAGES = {
     *("import", "print", "py", "python", "nan", "end", "try", "except", "catch", "struct"),
     *("dictionary", "plt", "np", "linspace", "plot", "saveas", "savefig", "xlabel", "legend"),
-    *("isel", "sel", "film", "remanent", "cd", "k", "x"),
+    *("isel", "sel", "film", "remanent", "cd", "k", "x", "venv", "q"),
 }
 
 
@@ -218,6 +219,8 @@ def test_words_in_backticks_are_names() -> None:
         | set(rm.__all__)
         | set(DESCRIPTIONS)
         | {f"{name}_error" for name in DESCRIPTIONS}
+        | {name for name in dir(rm.Actuator) if not name.startswith("_")}
+        | set(PACKAGES_OF_EXTRA)
     )
     values: list[Any] = [getattr(rm, name) for name in rm.__all__]
     for value in values:

@@ -67,3 +67,19 @@ def test_unknown_name_raises() -> None:
     """A name that does not exist is an AttributeError that says so."""
     with pytest.raises(AttributeError, match="No remanent attribute no_such_name"):
         _ = remanent.no_such_name  # type: ignore[attr-defined]
+    with pytest.raises(AttributeError, match=r"Did you mean `simulate`\?"):
+        _ = remanent.simulat  # type: ignore[attr-defined]
+
+
+def test_only_public_names_are_listed() -> None:
+    """``dir`` lists the public names, and not what the package itself imports."""
+    assert {name for name in dir(remanent) if not name.startswith("__")} <= set(remanent.__all__)
+
+
+def test_the_package_runs_as_a_module() -> None:
+    """``python -m remanent`` is the command ``remanent``."""
+    shown = subprocess.run(
+        [sys.executable, "-m", "remanent", "--help"], check=True, capture_output=True, text=True
+    ).stdout
+    assert "Usage: python -m remanent" in shown
+    assert "explore" in shown

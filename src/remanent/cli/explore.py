@@ -22,7 +22,7 @@ _PORT: Final = 8766
 @click.argument("source", required=False, type=click.Path(exists=True, path_type=Path))
 @click.option(
     "--port", type=click.IntRange(0, 65535), default=_PORT, show_default=True,
-    help="Where the page is on this machine; 0 for any that is free.",
+    help="The port of the page on this machine; 0 for any that is free.",
 )  # fmt: skip
 @click.option("--no-browser", is_flag=True, help="Only print the address.")
 @click.option(
@@ -31,12 +31,13 @@ _PORT: Final = 8766
 )  # fmt: skip
 @click.option(
     "--save", type=click.Path(dir_okay=False, path_type=Path), metavar="PAGE.html",
-    help="Write one file that works alone, and start nothing.",
+    help="Write the page as one file that works without a server, and end.",
 )  # fmt: skip
 def explore(source: Path | None, port: int, no_browser: bool, host: str, save: Path | None) -> None:
-    """Open a page that follows sliders: of SOURCE, a study file or a store, or of an example.
+    """Open a page with sliders in the browser.
 
-    It ends with Ctrl-C.
+    SOURCE is a study file, whose system and drive it shows, or the store of a study.  Without it
+    the page begins with an example.  Ctrl-C ends it.
     """
     require_extra("web", "the explorer")
     from remanent.web.opening import open_source

@@ -12,14 +12,21 @@ from remanent._errors import InputError
 
 @click.command()
 @click.argument("study", type=click.Path(exists=True, dir_okay=False, path_type=Path))
-@click.option("--to", "language", required=True, metavar="LANGUAGE", help="python, matlab, c ...")
+@click.option(
+    "--to", "language", required=True, metavar="LANGUAGE",
+    help="One of matlab, python, julia, auto07p, c, javascript.",
+)  # fmt: skip
 @click.option(
     "--out",
     type=click.Path(path_type=Path),
-    help="File, or folder where there are several; the current folder by default.",
+    help="The folder to write into, or the file where the language has one only; the current "
+    "folder by default.",
 )
 def export(study: Path, language: str, out: Path | None) -> None:
-    """Write the equations of motion of a study in another tool's language."""
+    """Write the equations of motion for another tool.
+
+    STUDY is a study file, whose system and drive are written.  No file is replaced.
+    """
     from remanent.studies.export.export import export as export_equations
     from remanent.studies.sweep.study_file import read_study
 

@@ -42,7 +42,10 @@ def commands() -> None:
     help="Folder for the page, the pictures and the data; made if missing.",
 )
 def paper(out: Path) -> None:
-    """Reproduce the published figures and audit the claims."""
+    """Compute the published figures again, and audit the claims.
+
+    This takes a while; a bar shows how far it is.
+    """
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
     require_extra("paper", "the reproduction of the article")

@@ -24,10 +24,14 @@ def text_of_example(example: str, name: str) -> str:
 @click.argument("name", default="study")
 @click.option(
     "--example", type=click.Choice(EXAMPLES), default=EXAMPLES[0], show_default=True,
-    help="Which one: a small chart of regimes, or one for all temperatures, loads and frequencies.",
+    help="What to begin with: a small chart of regimes, or one for all temperatures, loads and "
+    "frequencies.",
 )  # fmt: skip
 def new(name: str, example: str) -> None:
-    """Write a commented study file to start from, NAME.toml."""
+    """Write a commented study file to start from.
+
+    It is called NAME.toml, or study.toml where no NAME is given.
+    """
     path = Path(name if name.endswith(".toml") else f"{name}.toml")
     if not path.stem.isprintable() or set('"\\') & set(path.stem):
         raise InputError(
@@ -48,4 +52,4 @@ def new(name: str, example: str) -> None:
             why="The file is there already, and nothing is written over.",
             fix="Pass another name, or remove the file.",
         ) from None
-    click.echo(f"{path}: edit it, then run it with `remanent run {path}`")
+    click.echo(f"Wrote {path}. Edit it, then run it with `remanent run {path}`.")

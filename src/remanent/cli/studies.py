@@ -40,11 +40,27 @@ class Share(click.ParamType[tuple[int, int]]):
 
 @click.command()
 @click.argument("study", type=click.Path(exists=True, dir_okay=False, path_type=Path))
-@click.option("--out", type=click.Path(path_type=Path), help="Folder of the store.")
-@click.option("--dry-run", is_flag=True, help="Only show the plan: points, time, memory, disk.")
-@click.option("--workers", type=click.IntRange(min=1), help="Processes of this machine.")
-@click.option("--scheduler", metavar="ADDRESS", help="A running Dask scheduler.")
-@click.option("--part", type=Share(), default="1/1", help="One share of the study, for job arrays.")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    help="The store, a folder; by default the one that the file names.",
+)
+@click.option(
+    "--dry-run", is_flag=True, help="Only show the plan: points, time, memory, disk space."
+)
+@click.option(
+    "--workers",
+    type=click.IntRange(min=1),
+    help="Compute in this many processes of their own, not in this one.",
+)
+@click.option(
+    "--scheduler",
+    metavar="ADDRESS",
+    help="Compute on a Dask scheduler that runs already, as tcp://host:8786.",
+)
+@click.option(
+    "--part", type=Share(), default="1/1", help="Compute share I of N only, for job arrays."
+)
 def run(
     study: Path,
     out: Path | None,

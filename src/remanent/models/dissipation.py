@@ -110,7 +110,8 @@ class Rayleigh(Dissipation):
     Parameters
     ----------
     eta : float
-        Viscosity divided by mu times the unit of time.
+        Viscosity divided by the product of mu and the unit of time, dimensionless;
+        :meth:`Actuator.viscosity` makes it of Pa s.
     shift : WLF or Arrhenius, optional
         How the viscosity depends on temperature, :class:`WLF` or :class:`Arrhenius`.
 
@@ -161,7 +162,8 @@ class KelvinVoigt(Dissipation):
     Parameters
     ----------
     eta : float
-        Shear viscosity divided by mu times the unit of time.
+        Shear viscosity divided by the product of mu and the unit of time, dimensionless;
+        :meth:`Actuator.viscosity` makes it of Pa s.
     shift : WLF or Arrhenius, optional
         How the viscosity depends on temperature, :class:`WLF` or :class:`Arrhenius`.
 

@@ -17,10 +17,11 @@ class Heat(Part):
     """A heat balance: the temperature of the body becomes a state, ``body_temperature``.
 
     Equation, with s = -dPsi/dT of the whole free energy, D the dissipated power:
-    T s' = D - h (T - T_env), per reference volume.  For the entropic model and theta =
-    T/T0 that is theta' = k [theta (W + psi_v)' + D] - exchange (theta - theta_env), plus a
-    term of the remanence where that depends on temperature.  T_env is the actuator's
-    ``temperature``, from which the body starts too, unless `initial` says otherwise.
+    T s' = D - rho c_p h (T - T_env), per reference volume, with h the `exchange`.  For the
+    entropic model and theta = T/T0 that is theta' = k [theta (W + psi_v)' + D] -
+    h (theta - theta_env), plus a term of the remanence where that depends on temperature.
+    T_env is the actuator's ``temperature``, from which the body starts too, unless `initial`
+    says otherwise.
 
     Parameters
     ----------
@@ -28,8 +29,8 @@ class Heat(Part):
         k = mu/(rho c_p T0), about 2e-4 for elastomers; see :meth:`Actuator.coupling`.
         The temperature follows the strain energy as ln(T/T_i) = k (W - W_i).
     exchange : float
-        Rate, per unit of tau, at which the body takes on the temperature of its
-        surroundings, h/(rho c_p): 0 is adiabatic, infinity isothermal.
+        h, the rate, per unit of tau, at which the body takes on the temperature of its
+        surroundings: 0 is adiabatic, infinity isothermal.
 
     Raises
     ------

@@ -226,7 +226,8 @@ def _select_variables(dataset: xr.Dataset, names: tuple[str, ...]) -> xr.Dataset
             must=f"have the variables {', '.join(names)}",
             got=f"one without {', '.join(missing)}",
             why="They are what this plot draws.",
-            fix="Pass the result of a verb that returns them.",
+            fix="Pass the result of a verb that returns them; rm.plot.overview draws what suits "
+            "any result.",
         )
     subset = dataset[[name for name in names if name not in dataset.dims]]
     evidence = [

@@ -257,7 +257,8 @@ def section(
     x, y = _plane(dataset, x, y)
     with style.context_of(ax):
         axes = style.given_or_new_axes(ax, height=3.1)
-        along = {"period", "crossing", x} & set(map(str, dataset.dims))
+        present = {"period", "crossing", x} & set(map(str, dataset.dims))
+        along = present or ("period", "crossing")  # the message says that there is neither
         members, artists = _draw_members(axes, dataset, x, y, along, _draw_points, points)
         if x in along:
             lost = missing.mark_gaps(axes, members, x, y)

@@ -130,7 +130,11 @@ def require_drive(drive: object) -> Drive:
             why="It says how the load changes in time.",
             fix=_ORDER_REMEDY,
         )
-    require_instance("drive", drive, Drive, "rm.SineSquared(0.4, 1.25)")
+    require_instance(
+        "drive", drive, Drive,
+        "rm.SineSquared(0.4, 1.25), rm.Constant(0.1) for a load that does not change, or "
+        "rm.Sampled(times, loads) for any other",
+    )  # fmt: skip
     assert isinstance(drive, Drive)
     return drive
 

@@ -70,7 +70,8 @@ def energy_balance(
     over : mapping of str to array_like or DataArray, optional
         Values of numeric fields; they become dimensions of the result.
     tolerance : float
-        Asked of the global error of the state and of the integrals, absolute.
+        Largest error of the state and of the integrals that is allowed, at any of the times;
+        absolute.
     progress : bool or callable, optional
         True draws a bar; a function is called with the share that is done.
 

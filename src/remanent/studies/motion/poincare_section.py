@@ -77,7 +77,7 @@ def poincare_section(
     over : mapping of str to array_like or DataArray, optional
         Values of numeric fields; they become dimensions of the result.
     tolerance : float
-        Asked of the global error of the state, absolute.
+        Largest error of the state that is allowed, at any of the times; absolute.
     progress : bool or callable, optional
         True draws a bar; a function is called with the share that is done.
 

@@ -45,7 +45,8 @@ def response_diagram(
     drive : Drive, or mapping of str to Drive
         A load with a field ``omega``, whose value is not used.
     omega_range : (lowest, highest)
-        Frequencies, radians per unit of tau.
+        Frequencies, radians per unit of tau, or with a unit, ``("820 Hz", "920 Hz")``, where
+        the actuator has SI sizes.
     state_box : mapping of name to (lower, upper), optional
         Range of each state variable at phase 0, such as ``{"stretch": (0.3, 4.0)}``, where
         branches end: undamped ones run off to infinite amplitude.  By default stretches

@@ -90,7 +90,8 @@ def frequency_response(
     drive : Drive, or mapping of str to Drive
         A load with a field ``omega``, whose value is not used.
     omega : array (omega,)
-        Drive frequencies, radians per unit of tau, increasing, positive.
+        Drive frequencies, radians per unit of tau, or with a unit, ``["820 Hz", "920 Hz"]``,
+        where the actuator has SI sizes; increasing, positive.
     duration : float, str or quantity, optional
         Length of each run in tau, 100 by default; with a unit, ``"60 ms"``, where
         the actuator has SI sizes.

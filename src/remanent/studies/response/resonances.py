@@ -70,7 +70,8 @@ def resonances(
     drive : Drive, or mapping of str to Drive
         A load with a field ``omega``, whose value is not used.
     omega_range : (lowest, highest)
-        Frequencies, radians per unit of tau.
+        Frequencies, radians per unit of tau, or with a unit, ``("820 Hz", "920 Hz")``, where
+        the actuator has SI sizes.
     orbit_periods : sequence of int
         Of the orbits, in drive periods: 1 for primary and superharmonic resonances, 2, 3 ...
         for subharmonic and parametric ones.
@@ -91,8 +92,8 @@ def resonances(
     Returns
     -------
     xarray.Dataset
-        Along ``peak``, by frequency: ``omega`` with ``omega_error``, the distance between
-        the neighbouring points of the branch; ``amplitude``; ``unbounded``, whether the
+        Along ``peak``, by frequency: ``omega`` with ``omega_error``, how far the peak
+        may be from there; ``amplitude`` with its error; ``unbounded``, whether the
         branch rises to the end of `state_box` instead of turning back; ``resonance_kind``
         (``primary``, ``superharmonic``, ``subharmonic``, ``parametric``,
         ``ultrasubharmonic``, ``undecided``), with ``order_p``:``order_q``, oscillations in

@@ -1,4 +1,4 @@
-"""Computing again what is damaged in a store, and nothing else."""
+"""Computing what is damaged or missing in a store, and nothing else."""
 
 from __future__ import annotations
 
