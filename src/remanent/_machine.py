@@ -21,8 +21,9 @@ _CONTROL_GROUP_ROOT: Final = Path("/sys/fs/cgroup")
 _OWN_CONTROL_GROUPS: Final = Path("/proc/self/cgroup")
 #: Pages that this process has mapped and holds, the first two numbers.
 _OWN_MEMORY: Final = Path("/proc/self/statm")
-
-
+#: The parameter of ``mallopt`` for the size from which on memory is mapped, and that size.
+_MMAP_THRESHOLD: Final = -3
+_LARGE_ARRAY_BYTES: Final = 2**20
 #: Environment variable with the threads that this process may have beside others.
 THREADS_VARIABLE: Final = "REMANENT_THREADS"
 
@@ -39,6 +40,17 @@ def _processor_count() -> int:
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0)) or 1
     return os.cpu_count() or 1
+
+
+def keep_large_arrays_apart() -> None:
+    """Let the C library give every large array pages of its own, which go back when it is freed.
+
+    The library of GNU stops doing so for arrays of a size that was freed once, and is left with
+    gaps, so that memory creeps up over thousands of tasks.  Those of macOS, Windows and musl do
+    so anyway.
+    """
+    with suppress(OSError, TypeError, AttributeError):
+        ctypes.CDLL(None).mallopt(_MMAP_THRESHOLD, _LARGE_ARRAY_BYTES)
 
 
 def available_memory_bytes() -> float:

@@ -6,6 +6,7 @@ Law: Stopping.
 from __future__ import annotations
 
 import os
+import platform
 import subprocess
 import sys
 from pathlib import Path
@@ -18,6 +19,24 @@ from remanent import _machine
 TELL = """
 from remanent import _machine
 print(_machine.available_processor_count(), _machine.available_memory_bytes())
+"""
+#: Prints how many megabytes of freed arrays a fresh process still holds, while a small one stays.
+TELL_HELD = """
+import numpy as np
+from pathlib import Path
+from remanent._machine import keep_large_arrays_apart
+
+def held():
+    return int(Path("/proc/self/statm").read_text().split()[1]) * 4096 / 1e6
+
+if {keep}:
+    keep_large_arrays_apart()
+np.ones(2**21)  # freed: from now on arrays of less than 16 MB count as small
+before = held()
+arrays = [np.ones(2**18) for _ in range(64)]
+stays = np.ones(2**18)
+del arrays
+print(held() - before)
 """
 GIB = 2.0**30
 
@@ -74,3 +93,17 @@ def test_without_control_groups_there_is_no_limit(tmp_path: Path) -> None:
     """No file, nothing found, no error."""
     assert list(_machine._control_group_limits_bytes(tmp_path, tmp_path / "none")) == []
     assert tree(tmp_path, {}, "0::/x\n") == []
+
+
+@pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="only GNU's library keeps gaps")
+def test_large_arrays_that_are_freed_leave_no_gaps() -> None:
+    """Of 134 MB that were freed below an array that stays, a process holds none."""
+
+    def megabytes_held(keep: bool) -> float:
+        code = TELL_HELD.format(keep=keep)
+        return float(subprocess.run(
+            [sys.executable, "-c", code], check=True, capture_output=True, text=True
+        ).stdout)  # fmt: skip
+
+    assert megabytes_held(keep=True) < 10.0
+    assert megabytes_held(keep=False) > 100.0

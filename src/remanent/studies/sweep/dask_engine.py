@@ -11,7 +11,11 @@ from typing import Any, Final
 
 from remanent._errors import InputError, RemanentError, error_sentence
 from remanent._extras import require_extra
-from remanent._machine import THREADS_VARIABLE, available_processor_count
+from remanent._machine import (
+    THREADS_VARIABLE,
+    available_processor_count,
+    keep_large_arrays_apart,
+)
 from remanent.studies.sweep.run import (
     Meter,
     ReportProgress,
@@ -214,6 +218,7 @@ def compute_task(
     store = _opened.get(run)
     if store is None:
         _opened.clear()
+        keep_large_arrays_apart()
         store = open_store(Path(path))
         require_same(store, store.study)
         if point_seconds is not None:

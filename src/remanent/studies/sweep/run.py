@@ -13,6 +13,7 @@ from filelock import FileLock
 
 from remanent._errors import InputError, error_sentence, shortened_repr
 from remanent._extras import require_extra
+from remanent._machine import keep_large_arrays_apart
 from remanent.studies.sweep.layout import create_store
 from remanent.studies.sweep.locks import sole_writer
 from remanent.studies.sweep.sample import TakeSample, sample_here
@@ -186,6 +187,7 @@ def run_here(
     report : callable, optional
         Told after each task.
     """
+    keep_large_arrays_apart()
     runner = TaskRunner(store)
     meter = Meter(store, chunks_of_share(store, part), report)
     size = 1
