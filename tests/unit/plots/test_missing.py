@@ -138,7 +138,7 @@ def test_a_bar_that_is_not_defined_says_so() -> None:
     axes = plots.bars(dataset)[0].patches[0].axes
     assert isinstance(axes, Axes)
     (word,) = [text for text in axes.texts if text.get_text() == "not defined"]
-    assert word.xy == (0.0, 1.0)  # type: ignore[attr-defined]
+    assert word.xy == (0.0, 2.0)  # type: ignore[attr-defined]
 
 
 @pytest.mark.parametrize("as_variable", [True, False])

@@ -120,5 +120,5 @@ def test_bars_name_parameters_by_the_symbols_of_the_user() -> None:
     measure = rm.Measure(rm.simulate, WELLS, rm.Constant(0.1), times=[4.0], of="x")
     rm.plot.bars(rm.sensitivity(measure, parameters=["delta", "k"]))
     labels = [label.get_text().replace("\n", " ") for label in plt.gca().get_yticklabels()]
-    assert labels == [r"delta, $\delta$", "k, $k$"]
+    assert set(labels) == {r"delta, $\delta$", "k, $k$"}
     plt.close("all")
