@@ -14,7 +14,7 @@ from matplotlib.container import BarContainer
 from matplotlib.patches import Patch
 
 from remanent._errors import InputError
-from remanent._typing import FloatArray
+from remanent._typing import FloatArray, IntArray
 from remanent.models.variable_text import VariableText
 from remanent.plots import colours, style
 from remanent.plots.footer import add_legend_and_footer
@@ -134,6 +134,7 @@ def bars(
                 )
             )
             _name_missing_bars(axes, np.asarray(y, dtype=np.float64), np.asarray(values), thickness)
+        _show_whole_groups(axes, positions, thickness)
         axes.axvline(0.0, color=style.ink_colour(), lw=0.6)
         own, lone = own_variable_texts(dataset), lone_part_names(dataset)
         fields = [field_label(name, own, lone) for name in dataset["field"].values]
@@ -181,6 +182,13 @@ def _name_missing_bars(axes: Axes, y: FloatArray, values: FloatArray, thickness:
             "not defined", (0.0, place), xytext=(3, 0), textcoords="offset points", va="center",
             fontsize=float(size), style="italic", color=style.ink_colour(),
         )  # fmt: skip
+
+
+def _show_whole_groups(axes: Axes, positions: IntArray, thickness: float) -> None:
+    """Give the words of a field that has no bars at all the room of its bars."""
+    if positions.size:
+        half = 0.5 * (_GROUP_HEIGHT_SHARE - (1.0 - _BAR_HEIGHT_SHARE) * thickness)
+        axes.update_datalim([(0.0, positions[0] - half), (0.0, positions[-1] + half)])
 
 
 def _wrap(name: str) -> str:

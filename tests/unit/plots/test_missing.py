@@ -167,6 +167,9 @@ def test_a_bar_that_is_not_defined_says_so() -> None:
     assert isinstance(axes, Axes)
     (word,) = [text for text in axes.texts if text.get_text() == "not defined"]
     assert word.xy == (0.0, 2.0)  # type: ignore[attr-defined]
+    low, high = sorted(axes.get_ylim())
+    assert low < -0.35
+    assert high > 2.35  # the room of its bar lies inside the frame
 
 
 @pytest.mark.parametrize("as_variable", [True, False])
