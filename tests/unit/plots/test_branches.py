@@ -124,7 +124,9 @@ def test_what_special_points_do_not_hold_is_cut_on_the_line() -> None:
 def test_a_change_that_no_special_point_explains_stays_where_it_is_known() -> None:
     """A special point elsewhere on the branch draws no line to itself."""
     dataset = without_the_fold()
-    dataset = dataset.assign(special_omega=("special", [0.9]), special_amplitude=("special", [0.7]))
+    dataset = dataset.assign(
+        special_omega=("special", [0.9]), special_amplitude=("special", [0.71])
+    )
     lines = plots.branch(dataset, ax=Figure().add_subplot())
     drawn = np.concatenate([np.asarray(line.get_ydata()) for line in lines])
     assert np.isin(drawn, dataset["amplitude"].values).all()
