@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.integrate import quad
 from scipy.optimize import brentq, minimize_scalar
+from small_pictures import save_picture
 
 import remanent as rm
 from remanent.plots import style
@@ -15,6 +16,8 @@ from remanent.plots.colours import number_colours
 
 #: Where the pictures are written.
 STATIC = Path(__file__).parent / "_static"
+#: Their resolution, that of print.
+RESOLUTION_DPI = 300
 BLUE, ORANGE, GREEN = (style.OKABE_ITO_COLOURS[n] for n in ("blue", "vermillion", "green"))
 #: Dashes of what is unstable.
 UNSTABLE = (0, (4, 1.6))
@@ -358,4 +361,5 @@ if __name__ == "__main__":
         "balloon-viscosity": viscosity,
     }
     for name, draw in pictures.items():
-        style.save_figure(draw(), STATIC / f"{name}.png")
+        with style.context():  # ticks are chosen when a figure is saved
+            save_picture(draw(), STATIC / f"{name}.png", dpi=RESOLUTION_DPI)

@@ -6,7 +6,6 @@
 
 from __future__ import annotations
 
-import io
 import json
 import re
 import sys
@@ -17,13 +16,15 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 from breathing import breathing_frequencies
-from PIL import Image
 from scipy.integrate import solve_ivp
+from small_pictures import save_picture
 
 import remanent as rm
 
 #: Where the pictures are written.
 STATIC = Path(__file__).parent / "_static"
+#: Their resolution.
+RESOLUTION_DPI = 200
 #: Where the tables are written, which pages include.
 TABLES = Path(__file__).parent / "results"
 #: Colours of Okabe and Ito, blue first.
@@ -439,15 +440,6 @@ def write_table(name: str, head: Sequence[str], rows: Sequence[Sequence[str]]) -
     (TABLES / f"{name}.md").write_text(as_table(head, rows), encoding="utf-8")
 
 
-def save_picture(figure: Any, file: Path) -> None:
-    """Write a picture in few colours, which makes a small file."""
-    drawn = io.BytesIO()
-    figure.savefig(drawn, dpi=200)
-    with Image.open(drawn) as image:
-        few = image.convert("RGB").quantize(128, dither=Image.Dither.NONE)
-    few.save(file, optimize=True)
-
-
 #: What draws each picture.
 PICTURES: Mapping[str, Callable[[], Any]] = {
     "two-directions": two_directions, "viscosity": viscosity, "heat": heat, "limits": limits,
@@ -463,7 +455,7 @@ def main(words: Sequence[str]) -> None:
         return
     for name in words or PICTURES:
         with rm.plot.style.context():
-            save_picture(PICTURES[name](), STATIC / f"{name}.png")
+            save_picture(PICTURES[name](), STATIC / f"{name}.png", dpi=RESOLUTION_DPI)
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ from matplotlib.container import BarContainer
 from matplotlib.patches import Patch
 
 from remanent._errors import InputError
-from remanent._typing import FloatArray
+from remanent._typing import FloatArray, IntArray
 from remanent.models.variable_text import VariableText
 from remanent.plots import colours, style
 from remanent.plots.footer import add_legend_and_footer
@@ -45,9 +45,10 @@ def bars(
     ax: Axes | None = None,
     legend: bool = True,
     footer: bool = True,
+    sort: bool = True,
     **bar: Any,
 ) -> list[BarContainer]:
-    """Draw a bar for each field, with its error.
+    """Draw a bar for each field, with its error, the longest on top.
 
     Parameters
     ----------
@@ -62,6 +63,8 @@ def bars(
         Whether to name the colours above the axes.
     footer : bool
         Whether a new figure says below what made it; files say so in their metadata.
+    sort : bool
+        Whether fields are sorted by the size of their largest value; else they stay in order.
     **bar : Any
         Passed to matplotlib's ``barh``.
 
@@ -100,6 +103,8 @@ def bars(
                 why="There is a bar for each field.",
                 fix="Select values first, or name others.",
             )
+    if sort:
+        dataset = _sorted_by_size(dataset, names)
     rows = [row for name in names for row in _labelled_bars(dataset, name)]
     positions = np.arange(dataset.sizes["field"])
     thickness = _GROUP_HEIGHT_SHARE / len(rows)
@@ -129,6 +134,7 @@ def bars(
                 )
             )
             _name_missing_bars(axes, np.asarray(y, dtype=np.float64), np.asarray(values), thickness)
+        _show_whole_groups(axes, positions, thickness)
         axes.axvline(0.0, color=style.ink_colour(), lw=0.6)
         own, lone = own_variable_texts(dataset), lone_part_names(dataset)
         fields = [field_label(name, own, lone) for name in dataset["field"].values]
@@ -139,6 +145,14 @@ def bars(
         entries = [_legend_entry(a) for a in artists] if len(rows) > 1 and positions.size else []
         add_legend_and_footer(axes, ax, dataset, entries, legend=legend, footer=footer)
     return artists
+
+
+def _sorted_by_size(dataset: xr.Dataset, names: Sequence[str]) -> xr.Dataset:
+    """Fields in order of their largest value in size, those that are not defined last."""
+    sizes = [np.abs(dataset[name].transpose("field", ...).values) for name in names]
+    columns = [np.nan_to_num(size.reshape(len(size), -1), nan=-1.0) for size in sizes]
+    largest = np.concatenate(columns, axis=1).max(axis=1, initial=-1.0)
+    return dataset.isel(field=np.argsort(-largest, kind="stable"))
 
 
 def _value_label(names: Sequence[str], own: Mapping[str, VariableText]) -> str:
@@ -168,6 +182,13 @@ def _name_missing_bars(axes: Axes, y: FloatArray, values: FloatArray, thickness:
             "not defined", (0.0, place), xytext=(3, 0), textcoords="offset points", va="center",
             fontsize=float(size), style="italic", color=style.ink_colour(),
         )  # fmt: skip
+
+
+def _show_whole_groups(axes: Axes, positions: IntArray, thickness: float) -> None:
+    """Give the words of a field that has no bars at all the room of its bars."""
+    if positions.size:
+        half = 0.5 * (_GROUP_HEIGHT_SHARE - (1.0 - _BAR_HEIGHT_SHARE) * thickness)
+        axes.update_datalim([(0.0, positions[0] - half), (0.0, positions[-1] + half)])
 
 
 def _wrap(name: str) -> str:

@@ -22,6 +22,7 @@ from remanent.plots.backbones import draw_backbone
 from remanent.plots.branch_marks import mark_ends, mark_special_points
 from remanent.plots.footer import add_legend_and_footer
 from remanent.plots.retraced import new_stretches, turning_points
+from remanent.plots.stability_changes import located_names, points_of_change
 
 __all__ = ["branch", "multipliers", "stability_legend_entries"]
 
@@ -41,6 +42,8 @@ _OWN_DIMENSIONS: Final = ("branch", "point", "special", "multiplier", "end", "pe
 _DOUBLE_LINE_CORE_WIDTH_POINTS: Final = 0.8
 #: Room beside branches, over their width.
 _MARGIN_BESIDE_BRANCHES: Final = 0.03
+#: No point.
+_NOWHERE: Final = np.empty((0, 2))
 #: Length of a line, over the size of what is drawn, from which it is seen.
 _MIN_SEEN_LENGTH: Final = 5e-3
 
@@ -108,9 +111,8 @@ def branch(
     _require_values_along_branch(dataset, variable)
     with style.context_of(ax):
         axes = style.given_or_new_axes(ax)
-        marks = [name for name in (f"special_{x}", f"special_{variable}") if name in dataset]
         ends = ["end_reason"] if "end_reason" in dataset else []
-        names = (x, variable, "stability", "special_kind", *marks, *ends)
+        names = [*_names_along_branches(dataset, x, variable), *ends]
         members = ensemble.split_by_colour(dataset, names, _OWN_DIMENSIONS)
         size = _extent(dataset, x, dataset[variable].values)
         artists: list[Line2D] = []
@@ -186,7 +188,7 @@ def multipliers(
     x = _followed_parameter(dataset, parameter)
     with style.context_of(ax):
         axes = style.given_or_new_axes(ax, height=2.0)
-        names = (x, "multipliers", "stability", "special_kind", f"special_{x}")
+        names = _names_along_branches(dataset, x, "multipliers")
         members = ensemble.split_by_colour(dataset, names, _OWN_DIMENSIONS)
         size = _extent(dataset, x, abs(dataset["multipliers"].values))
         axes.axhline(1.0, color=style.FAINT_COLOUR, linewidth=0.5)
@@ -206,6 +208,14 @@ def multipliers(
         entries = [*_drawn_stabilities(dataset, artists, size), *marked]
         _finish(axes, ax, dataset, members, entries, x, "multipliers", legend, footer)
     return artists
+
+
+def _names_along_branches(dataset: xr.Dataset, x: str, variable: str) -> list[str]:
+    """What is drawn, and what says where its special points lie."""
+    located = located_names(dataset)
+    special = [f"special_{name}" for name in (x, variable, *located)]
+    names = [x, variable, "stability", "special_kind", *located]
+    return list(dict.fromkeys([*names, *(name for name in special if name in dataset)]))
 
 
 def _extent(dataset: xr.Dataset, x: str, up: FloatArray) -> FloatArray:
@@ -298,11 +308,14 @@ def _draw_branches(
         for column in _columns(row[variable]):
             points = np.stack([row[x].values, column], axis=1).astype(np.float64)
             count = int(np.isfinite(points[:, 0]).sum())
+            changes = points_of_change(row, x, variable, points[:count])
             for first, last in _equal_stability_ranges(stabilities, count):
                 name = str(stabilities[first])
                 looks = {"color": member.colour, **_STABILITY_LINE_STYLES[name], **line}
-                # A stretch begins where the one before it ends, so that no gap is seen.
-                stretch = points[max(first - 1, 0) : last]
+                # A stretch begins where the one before it ends, so that no gap is seen: at the
+                # special point between them, or at the last point of that one.
+                before = changes.get(first, points[max(first - 1, 0) : first])
+                stretch = np.concatenate([before, points[first:last], changes.get(last, _NOWHERE)])
                 for piece in _pieces_not_drawn(stretch, drawn.setdefault(name, []), size):
                     (artist,) = axes.plot(*piece.T, solid_capstyle="butt", gid=name, **looks)
                     if name == "elliptic":

@@ -14,7 +14,7 @@ from remanent._typing import FloatArray
 from remanent.plots import ensemble, keys, missing, style
 from remanent.plots.footer import add_legend_and_footer
 
-__all__ = ["equilibrium_legend_entries", "landscape"]
+__all__ = ["equilibrium_legend_entries", "landscape", "level_legend_entries"]
 
 #: Variables that are drawn beside the potential, where a result has them.
 _VARIABLES_DRAWN_IF_PRESENT: Final = (
@@ -118,7 +118,7 @@ def landscape(
         if legend:
             keys.add_colour_bar(axes, members)
         names = keys.line_legend_entries(members, "potential")
-        entries = [*names, *equilibrium_legend_entries(dataset), *_level_entries(members)]
+        entries = [*names, *equilibrium_legend_entries(dataset), *level_legend_entries(members)]
         add_legend_and_footer(axes, ax, dataset, entries, legend=legend, footer=footer)
     return artists
 
@@ -163,7 +163,7 @@ def _draw_level(axes: Axes, member: ensemble.Member, width: float) -> None:
     axes.plot(ends, levels, "|", color=member.colour, ms=7, mew=1.2, zorder=4)
 
 
-def _level_entries(members: list[ensemble.Member]) -> list[Line2D]:
+def level_legend_entries(members: list[ensemble.Member]) -> list[Line2D]:
     """Legend entry of the energies of motions, where there are any."""
     known = [m for m in members if _has_level(m) and np.isfinite(m.data["turning_upper"])]
     if not known:

@@ -357,6 +357,9 @@ def _class_name(table: Mapping[str, Any]) -> str:
 def _value_text(
     name: str, value: object, own: Mapping[str, VariableText] = MappingProxyType({})
 ) -> str:
+    if isinstance(value, np.ndarray) and value.ndim == 1 and value.dtype.kind in "fiu":
+        numbers = ", ".join(f"${format_number(number)}$" for number in value)
+        return f"{name.replace('_', ' ')} {numbers}"
     if not isinstance(value, (int, float)):
         return f"{name.replace('_', ' ')} {value}"
     try:

@@ -48,6 +48,8 @@ def axis_label(array: xr.DataArray | xr.Variable, *, words: bool = True) -> str:
     """
     sign = math_symbol(array)
     name = _schema_attribute(array, "long_name")
+    # The symbol of one's own variable is its name, where none was given: it is said once.
+    sign = "" if sign == rf"$\mathrm{{{name}}}$" else sign
     text = ", ".join(filter(None, (name, sign))) if words else sign or name
     units = _typeset_units(array)
     return f"{text} ({units})" if units else text

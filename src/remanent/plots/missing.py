@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
+from matplotlib.markers import TICKUP, MarkerStyle
 from numpy.typing import NDArray
 
 from remanent._status import Status
@@ -33,8 +34,9 @@ _SILENT_STATUS_CODES: Final = frozenset({int(Status.OK)})
 _END_MARKER: Final = "x"
 #: Words where the status is no reason.
 NO_RESULT: Final = "no result"
-#: Mark on the lower edge, at a value without a result.
+#: Mark at a value without a result; on the lower edge of axes it stands inside.
 _GAP_MARKER: Final = "|"
+_GAP_MARKER_ON_EDGE: Final = MarkerStyle(TICKUP)
 #: Most clouds that stop early of which each is named.
 _MAX_CUT_CLOUD_COUNT: Final = 4
 #: Most reasons that are written out.
@@ -157,9 +159,9 @@ def mark_gaps(
         if at.ndim != 1 or not has_values(member, y) or not bool(gaps.any()):
             continue
         axes.plot(
-            at.values[gaps.transpose(*at.dims).values], np.zeros(int(gaps.sum())), _GAP_MARKER,
-            color=member.colour, ms=7, mew=1.2, transform=axes.get_xaxis_transform(),
-            clip_on=False, zorder=6, linestyle="",
+            at.values[gaps.transpose(*at.dims).values], np.zeros(int(gaps.sum())),
+            marker=_GAP_MARKER_ON_EDGE, color=member.colour, ms=5, mew=1.2, linestyle="",
+            transform=axes.get_xaxis_transform(), clip_on=False, zorder=6,
         )  # fmt: skip
         reason = why_missing(member, gaps)
         reasons[nothing if reason == NO_RESULT else reason] = None

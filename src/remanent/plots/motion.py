@@ -11,8 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PathCollection
 from matplotlib.lines import Line2D
 
-from remanent._typing import FloatArray
 from remanent.plots import ensemble, keys, missing, style
+from remanent.plots.envelopes import add_last_turns, draw_as_bands, extent_of, turn_count
 from remanent.plots.footer import add_legend_and_footer
 from remanent.results.provenance import observable_name
 
@@ -54,9 +54,13 @@ def history(
     ax: Axes | None = None,
     legend: bool = True,
     footer: bool = True,
+    envelope: bool = True,
     **line: Any,
 ) -> list[Line2D]:
     """Draw a variable against time.
+
+    Of a motion of some hundred turns no turn is seen for itself: it is drawn as the band between
+    its extremes, and a new figure has its last ten turns beside it.
 
     Parameters
     ----------
@@ -72,13 +76,15 @@ def history(
         Whether to name the lines above the axes.
     footer : bool
         Whether a new figure says below what made it; files say so in their metadata.
+    envelope : bool
+        Whether motions whose turns would run into a solid block are drawn as bands.
     **line : Any
         Passed to matplotlib's ``plot``.
 
     Returns
     -------
     list of matplotlib.lines.Line2D
-        One per member, in order of temperature.
+        One per member, in order of temperature; of a band the outline.
 
     Raises
     ------
@@ -106,8 +112,12 @@ def history(
         members, artists = _draw_members(
             axes, dataset, "time", variable, _TIME_DIMENSIONS, _draw_line, line
         )
-        _thin_crowded(artists, line, _MANY_TURNS_PER_POINT * _axes_width(axes))
+        before = draw_as_bands(axes, artists, line, _axes_width(axes)) if envelope else []
+        if not before:
+            _thin_crowded(artists, line, _MANY_TURNS_PER_POINT * _axes_width(axes))
         axes.margins(x=0.0)
+        if ax is None:
+            add_last_turns(axes, before)
         ends = missing.mark_ends(axes, members, "time", variable)
         _add_keys(
             axes,
@@ -327,29 +337,16 @@ def _thin_crowded(artists: Sequence[Line2D], given: Mapping[str, Any], many: flo
     many : float
         Turns from which a line gets thinner.
     """
-    crowding = max((_turn_count(artist) for artist in artists), default=0) / many
+    crowding = max((turn_count(artist) for artist in artists), default=0) / many
     if crowding <= 1.0:
         return
-    sizes = [float(np.prod(_extent_of(artist))) for artist in artists]
+    sizes = [float(np.prod(extent_of(artist))) for artist in artists]
     for rank, k in enumerate(np.argsort(sizes)[::-1]):
         if not {"zorder"} & set(given):
             artists[k].set_zorder(2.0 + 0.5 * rank / len(artists))
         if not {"lw", "linewidth", "alpha"} & set(given):
             width = max(_USUAL_LINE_WIDTH / crowding, _MIN_LINE_WIDTH)
             artists[k].set(linewidth=width, alpha=max(1.0 / crowding, _MIN_OPACITY))
-
-
-def _turn_count(artist: Line2D) -> int:
-    """How often what is drawn has a maximum."""
-    values = np.asarray(artist.get_ydata(), dtype=np.float64)
-    return int((np.diff(np.sign(np.diff(values[np.isfinite(values)]))) < 0.0).sum())
-
-
-def _extent_of(artist: Line2D) -> FloatArray:
-    """Width and height of what is drawn, array (2,)."""
-    points = np.asarray(artist.get_xydata(), dtype=np.float64)
-    points = points[np.isfinite(points).all(axis=1)]
-    return np.ptp(points, axis=0) if len(points) else np.zeros(2)
 
 
 def _draw_points(

@@ -13,7 +13,7 @@ from matplotlib.colors import Normalize, to_hex, to_rgb
 
 from remanent._typing import FloatArray, IntArray
 from remanent.plots import colours
-from remanent.plots.labels import axis_label
+from remanent.plots.labels import axis_label, format_number
 
 __all__ = ["KNOWN_REGIMES", "regime_bars", "regime_colours", "regime_names"]
 
@@ -77,13 +77,17 @@ def regime_names(dataset: xr.Dataset) -> dict[str, str]:
         tones |= {"chaotic": to_hex(colours.CHAOS_COLOUR_MAP(1.0))}
     if "quasi-periodic" in values and "rotation_number" not in dataset:
         tones |= {"quasi-periodic": to_hex(colours.TORUS_COLOUR_MAP(0.5))}
+    lone = _lone_exponent(dataset)
+    if lone is not None:
+        number = format_number(float(f"{lone:.2g}"))
+        tones |= {rf"chaotic, $\Lambda = {number}$": to_hex(colours.CHAOS_COLOUR_MAP(1.0))}
     return tones
 
 
 def regime_bars(
     dataset: xr.Dataset, *, spread_tori: bool = False
 ) -> list[tuple[ScalarMappable, str]]:
-    """Scales and labels of chaos and of tori, where there are any.
+    """Scales and labels of chaos and of tori, where there are any; one exponent needs no scale.
 
     Parameters
     ----------
@@ -96,7 +100,7 @@ def regime_bars(
     """
     values = dataset["regime"].values
     bars = []
-    if "chaotic" in values and "exponent" in dataset:
+    if "chaotic" in values and "exponent" in dataset and _lone_exponent(dataset) is None:
         scale = Normalize(0.0, _largest_chaotic_exponent(dataset))
         source = ScalarMappable(scale, colours.CHAOS_COLOUR_MAP)
         exponent = axis_label(dataset["exponent"], words=False)
@@ -159,6 +163,15 @@ def _chaotic_shades(dataset: xr.Dataset) -> FloatArray:
     shape = dataset["regime"].shape
     share = np.broadcast_to(exponent / _largest_chaotic_exponent(dataset), shape)
     return np.asarray(colours.CHAOS_COLOUR_MAP(np.nan_to_num(share).clip(0.0, 1.0)))[..., :3]
+
+
+def _lone_exponent(dataset: xr.Dataset) -> float | None:
+    """The exponent of chaotic cells where all have the same; None where there is none."""
+    if "exponent" not in dataset:
+        return None
+    exponents = np.unique(dataset["exponent"].values[dataset["regime"].values == "chaotic"])
+    is_lone = exponents.size == 1 and exponents[0] >= _MIN_BRIGHTEST_EXPONENT
+    return float(exponents[0]) if is_lone else None
 
 
 def _largest_chaotic_exponent(dataset: xr.Dataset) -> float:

@@ -8,7 +8,7 @@ the user's fonts, ground and labels stay.
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from types import MappingProxyType
@@ -274,8 +274,8 @@ def ink_colour() -> str:
 def label_axes(axes: Axes, across: str, up: str) -> None:
     """Label axes; a label that is there already stays.
 
-    Of panels that share a horizontal axis only the last is labelled, of those that share a
-    vertical one only the first.
+    Of panels in a column that share a horizontal axis only the last is labelled, of those in a
+    row that share a vertical one only the first.
 
     Parameters
     ----------
@@ -284,14 +284,23 @@ def label_axes(axes: Axes, across: str, up: str) -> None:
     across, up : str
         Labels of the horizontal and of the vertical axis.
     """
-    place = axes.get_subplotspec()
-    shares_x = len(axes.get_shared_x_axes().get_siblings(axes)) > 1
-    shares_y = len(axes.get_shared_y_axes().get_siblings(axes)) > 1
-    if not axes.get_xlabel() and (place is None or place.is_last_row() or not shares_x):
+    beside_x = _places_beside(axes, axes.get_shared_x_axes().get_siblings(axes))
+    beside_y = _places_beside(axes, axes.get_shared_y_axes().get_siblings(axes))
+    if not axes.get_xlabel() and not any(row > 0 and column == 0 for row, column in beside_x):
         axes.set_xlabel(across)
-    if not axes.get_ylabel() and (place is None or place.is_first_col() or not shares_y):
+    if not axes.get_ylabel() and not any(row == 0 and column < 0 for row, column in beside_y):
         axes.set_ylabel(up, gid=_LABEL_GID)
         fit_label(axes)
+
+
+def _places_beside(axes: Axes, others: Iterable[Axes]) -> list[tuple[int, int]]:
+    """Rows and columns between axes in a grid and others."""
+    own = axes.get_subplotspec()
+    places = [place for other in others if (place := other.get_subplotspec()) is not None]
+    if own is None:
+        return []
+    return [(place.rowspan.start - own.rowspan.start, place.colspan.start - own.colspan.start)
+            for place in places]  # fmt: skip
 
 
 def fit_label(axes: Axes) -> None:

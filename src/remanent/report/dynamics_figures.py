@@ -112,7 +112,7 @@ def draw_jump_at_resonance(
         style.add_legend_above(
             figure,
             [
-                *_branch_legend_entries(branches),
+                *_entries_in_view(left, _branch_legend_entries(branches)),
                 *_jump_side_legend_entries(sections["omega"], crossing),
             ],
         )
@@ -177,6 +177,21 @@ def _branch_legend_entries(branches: xr.Dataset) -> list[Line2D]:
         *branch_marks.special_point_legend_entries(branches),
         *branch_marks.end_legend_entries(branches, "omega"),
     ]
+
+
+def _entries_in_view(axes: Axes, entries: list[Line2D]) -> list[Line2D]:
+    """Those of which something lies inside the frame: a stability by its name, a mark by its look.
+
+    Other branches and marks of the same result lie beyond what is drawn.
+    """
+    low, high = np.sort([axes.get_xlim(), axes.get_ylim()], axis=1).T
+    shown = set()
+    for line in axes.lines:
+        points = np.asarray(line.get_xydata(), dtype=np.float64)
+        if ((points >= low) & (points <= high)).all(axis=1).any():
+            shown |= {line.get_gid(), line.get_marker()}
+    return [e for e in entries if (e.get_label() if e.get_marker() == "None" else e.get_marker())
+            in shown]  # fmt: skip
 
 
 def _orbit_legend_entry() -> Line2D:

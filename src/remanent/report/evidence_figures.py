@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import product
-from typing import Any
+from types import MappingProxyType
+from typing import Any, Final
 
 import numpy as np
 import xarray as xr
@@ -21,15 +22,22 @@ from remanent.report.figures import (
     keep_only_outer_labels,
     make_panel_grid,
 )
+from remanent.report.settings import MAX_RESONANCE_MISFIT
 
 __all__ = ["draw_landscapes", "draw_misfit_maps", "draw_solver_comparison"]
 
-#: Misfits whose contour lines are drawn: the published rounding, and what the audit reaches.
-_RESONANCE_MISFIT_CONTOUR_LEVELS = (0.01, 0.025, 0.1)
+#: Largest misfit with a colour of its own: ten times that of a choice that agrees.
+_LARGEST_SHOWN_MISFIT = 10.0 * MAX_RESONANCE_MISFIT
 #: Colour of the converged section behind the other.
 _BACKGROUND_COLOUR = "#bdbdbd"
-#: Colour of the dot at the least misfit.
-_MINIMUM_COLOUR = style.OKABE_ITO_COLOURS["vermillion"]
+#: Dots at choices that agree, and at the least misfit.
+_AGREEING_LOOKS: Final[Mapping[str, Any]] = MappingProxyType(
+    {"linestyle": "", "marker": "o", "ms": 2.2, "mew": 0.0, "color": style.INK_COLOUR}
+)
+_LEAST_LOOKS: Final[Mapping[str, Any]] = MappingProxyType(
+    {"linestyle": "", "marker": "o", "ms": 4.5, "mew": 0.7, "mec": "white",
+     "color": style.OKABE_ITO_COLOURS["vermillion"]}
+)  # fmt: skip
 
 
 def draw_landscapes(dataset: xr.Dataset) -> Figure:
@@ -49,10 +57,13 @@ def draw_landscapes(dataset: xr.Dataset) -> Figure:
         One panel per prestress.
     """
     first = dataset.isel(prestress=0)
-    names = keys.line_legend_entries(
-        ensemble.split_into_members(first, ("potential",), ("thickness_stretch",))
-    )
-    entries = [*names, *energy.equilibrium_legend_entries(dataset)]
+    drawn = ("potential", "level", "turning_lower", "turning_upper")
+    members = ensemble.split_into_members(first, drawn, ("thickness_stretch",))
+    entries = [
+        *keys.line_legend_entries(members),
+        *energy.equilibrium_legend_entries(dataset),
+        *energy.level_legend_entries(members),
+    ]
     return draw_panel_per_prestress(
         dataset, plots.landscape, (style.DOUBLE_COLUMN_WIDTH_INCHES, 3.4), entries
     )
@@ -87,7 +98,10 @@ def draw_solver_comparison(sections: xr.Dataset, drift: xr.Dataset) -> Figure:
             _draw_section_pair(
                 figure, grid, sections.isel(temperature=row, prestress=column), row, column
             )
-        below = [figure.add_subplot(grid[rows, 2 * k : 2 * k + 2]) for k in range(columns // 2)]
+        first = figure.add_subplot(grid[rows, :2])
+        below = [first]
+        for k in range(1, columns // 2):
+            below.append(figure.add_subplot(grid[rows, 2 * k : 2 * k + 2], sharey=first))
         _draw_drifts(below, drift)
         for k, axes in enumerate(below):
             _write_letter(axes, rows * columns + k)
@@ -112,23 +126,33 @@ def draw_misfit_maps(dataset: xr.Dataset) -> Figure:
     -------
     matplotlib.figure.Figure
         One row per law, one column per window (laws side by side for a single window), all on
-        one logarithmic scale, with
-        contour lines; in each panel a dot at the least misfit, and its value.
+        one logarithmic scale.  Every cell is one choice, too few for contour lines: dots mark
+        those that agree, a larger one the least misfit, whose value is written.
     """
     laws, windows = dataset["law"].values, dataset["window"].values
     finite = dataset["misfit"].values[np.isfinite(dataset["misfit"].values)]
-    scale = LogNorm(float(max(finite.min(), 1e-4)), float(finite.max()))
+    largest = min(float(finite.max()), _LARGEST_SHOWN_MISFIT)
+    scale = LogNorm(float(max(finite.min(), 1e-4)), largest)
     with style.context():
         shape = (len(laws), len(windows)) if len(windows) > 1 else (1, len(laws))
         size = (style.DOUBLE_COLUMN_WIDTH_INCHES, 1.9 * shape[0] + 0.9)
         figure, grid = make_panel_grid(*shape, size, sharex=True, sharey=True)
         cases = product(enumerate(laws), enumerate(windows))
-        for axes, ((i, law), (j, window)) in zip(grid.flat, cases, strict=True):
+        for k, (axes, ((i, law), (j, window))) in enumerate(zip(grid.flat, cases, strict=True)):
             drawn = _draw_misfit(axes, dataset.isel(law=i, window=j), scale)
             title = f"{law},  {style.value_label(dataset['window'], window)}"
-            style.set_panel_title(axes, "", title)
+            style.set_panel_title(axes, "abcdefghijklmnopqrstuvwxyz"[k], title)
         keep_only_outer_labels(grid, x=True, y=True)
-        figure.colorbar(drawn, ax=grid, label=style.axis_label(dataset["misfit"]), aspect=40)
+        beyond = "max" if finite.max() > largest else "neither"
+        name = style.axis_label(dataset["misfit"])
+        figure.colorbar(drawn, ax=grid, label=name, aspect=40, extend=beyond)
+        style.add_legend_above(
+            figure,
+            [
+                Line2D([], [], label=f"agrees within {MAX_RESONANCE_MISFIT:g}", **_AGREEING_LOOKS),
+                Line2D([], [], label="least misfit", **_LEAST_LOOKS),
+            ],
+        )
         footer.add_footer(figure, dataset, hide=("drive", "temperature", "prestress"))
     return figure
 
@@ -183,17 +207,11 @@ def _draw_misfit(ax: Axes, dataset: xr.Dataset, scale: LogNorm) -> Any:
     drawn = ax.pcolormesh(
         x.values, y.values, z, norm=scale, cmap="cividis_r", shading="nearest", rasterized=True
     )
-    lines = ax.contour(
-        x.values,
-        y.values,
-        z,
-        levels=_RESONANCE_MISFIT_CONTOUR_LEVELS,
-        colors=style.INK_COLOUR,
-        linewidths=0.6,
-    )
-    ax.clabel(lines, fmt=lambda level: f"{level:g}", fontsize=6.5, inline_spacing=2)
+    rows, columns = np.nonzero(z <= MAX_RESONANCE_MISFIT)
+    ax.plot(x.values[columns], y.values[rows], **_AGREEING_LOOKS)
     i, j = np.unravel_index(np.nanargmin(z), z.shape)
-    ax.plot(x.values[j], y.values[i], "o", color=_MINIMUM_COLOUR, mec="white", mew=0.7, ms=4.5)
-    ax.text(0.03, 0.04, f"least {z[i, j]:.2g}", transform=ax.transAxes, color="white")
+    ax.plot(x.values[j], y.values[i], **_LEAST_LOOKS)
+    ground = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.5}
+    ax.text(0.03, 0.04, f"least {z[i, j]:.2g}", transform=ax.transAxes, bbox=ground)
     ax.set(xlabel=style.axis_label(x), ylabel=style.axis_label(y))
     return drawn

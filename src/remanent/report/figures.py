@@ -112,12 +112,14 @@ def draw_figure_5_or_6(history: xr.Dataset, section: xr.Dataset) -> Figure:
     -------
     matplotlib.figure.Figure
         One row per temperature: history (a, c, e), phase plane with section (b, d, f),
-        section at every drive period.
+        section at every drive period.  Each column has one scale, so that amplitudes compare.
     """
     temperatures = np.sort(history["temperature"].values)
     with style.context():
         size = (style.DOUBLE_COLUMN_WIDTH_INCHES, 1.85 * len(temperatures) + 0.5)
-        figure, grid = make_panel_grid(len(temperatures), 3, size, width_ratios=(1.75, 1, 1))
+        figure, grid = make_panel_grid(
+            len(temperatures), 3, size, width_ratios=(1.75, 1, 1), sharex="col", sharey="col"
+        )
         for row, (temperature, axes) in enumerate(zip(temperatures, grid, strict=True)):
             at = {"temperature": temperature}
             _draw_motion_row(axes, history.sel(at), section.sel(at))

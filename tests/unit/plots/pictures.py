@@ -40,7 +40,9 @@ def _equilibria() -> xr.Dataset:
 
 def _diagram() -> xr.Dataset:
     dataset = synthetic.diagram().isel(prestress=0, drop=True)
-    moduli = np.broadcast_to([1.1 + 0.0j, 0.9], (*dataset["omega"].shape, 2))
+    # One multiplier is 1 at the fold, where the amplitude is 0.6.
+    first = dataset["amplitude"].values + 0.4
+    moduli = np.stack([first, np.full_like(first, 0.5)], axis=-1).astype(complex)
     pair = xr.Variable((*dataset["omega"].dims, "multiplier"), moduli)
     return dataset.assign(multipliers=pair)
 

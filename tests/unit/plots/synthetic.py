@@ -305,9 +305,9 @@ def basins_of_two() -> xr.Dataset:
 
 
 def fold() -> xr.Dataset:
-    """A branch with multipliers rho = 1 +- sqrt(1 - omega): a fold at omega = 1."""
+    """A branch with multipliers 1 + s and 1/2, s = amplitude - 1: a fold at omega = 1 - s^2."""
     s = np.linspace(-0.5, 0.5, 41)
-    pair = np.stack([1.0 + np.abs(s), 1.0 - np.abs(s)], axis=1).astype(complex)
+    pair = np.stack([1.0 + s, np.full_like(s, 0.5)], axis=1).astype(complex)
     kinds = np.where(s < 0.0, "stable", "saddle")
     return build.dataset(
         {

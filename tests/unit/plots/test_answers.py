@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
@@ -196,23 +197,74 @@ def test_bars_of_several_variables_say_what_they_share() -> None:
     axes = bars[0].patches[0].axes
     assert isinstance(axes, Axes)
     assert axes.get_xlabel() == "Sobol index"
-    assert [label.get_text() for label in axes.get_yticklabels()][1] == r"viscosity, $\eta$"
+    first = axes.get_yticklabels()[0]
+    assert first.get_text() == r"viscosity, $\eta$"
     assert bars[0].patches[0].get_hatch() != bars[1].patches[0].get_hatch()
+
+
+def two_swings(duration: float) -> xr.Dataset:
+    """A small and a large oscillation of the period 2 pi, whose amplitudes beat slowly."""
+    time = np.arange(0.0, duration, 1.0 / 12.0)
+    swing = np.sin(time) * (1.0 + 0.5 * np.cos(0.02 * time))
+    return xr.Dataset(
+        {"thickness_stretch": (("temperature", "time"), np.outer([0.1, 0.5], swing))},
+        coords={"time": time, "temperature": [250.0, 350.0]},
+    )
 
 
 def test_many_turns_are_drawn_thin_and_the_small_motion_over_the_large_one() -> None:
     """None hides another; what the user says of lines stays."""
-    time = np.linspace(0.0, 2000.0, 24_001)
-    dataset = xr.Dataset(
-        {"thickness_stretch": (("temperature", "time"), np.outer([0.1, 0.5], np.sin(time)))},
-        coords={"time": time, "temperature": [250.0, 350.0]},
-    )
-    small, large = plots.history(dataset, ax=new_axes())
-    assert small.get_zorder() > large.get_zorder()
-    assert small.get_linewidth() < 0.7
-    assert plots.history(dataset, ax=new_axes(), linewidth=2.0)[0].get_linewidth() == 2.0
+    dataset = two_swings(2000.0)
+    for envelope in (True, False):
+        small, large = plots.history(dataset, ax=new_axes(), envelope=envelope)
+        assert small.get_zorder() > large.get_zorder()
+        assert small.get_linewidth() < 0.7
+        (given, _) = plots.history(dataset, ax=new_axes(), envelope=envelope, linewidth=2.0)
+        assert given.get_linewidth() == 2.0
     few = plots.history(dataset.isel(time=slice(0, 400)), ax=new_axes())
     assert few[0].get_zorder() == few[1].get_zorder()
+
+
+def test_a_long_history_is_the_band_between_its_extremes() -> None:
+    """The outline follows the known envelope, and its vertices are numbers of the result."""
+    dataset = two_swings(3000.0)
+    line = plots.history(dataset.isel(temperature=1), ax=new_axes())[0]
+    time, value = np.asarray(line.get_xydata())[np.isfinite(line.get_ydata())].T
+    assert np.isin(value, dataset["thickness_stretch"].values).all()
+    count = len(time) // 2
+    envelope = 0.5 * (1.0 + 0.5 * np.cos(0.02 * time))
+    in_one_turn = 0.5 * 0.5 * 0.02 * 2.0 * np.pi  # the envelope changes by no more
+    for inner, sign in ((slice(5, count - 5), 1.0), (slice(count + 5, -5), -1.0)):
+        np.testing.assert_allclose(value[inner], sign * envelope[inner], atol=in_one_turn)
+    assert line.axes is not None
+    assert len(line.axes.patches) == 1
+    for options in ({"envelope": False}, {"marker": "."}):
+        curve = plots.history(dataset.isel(temperature=1), ax=new_axes(), **options)[0]
+        assert len(np.asarray(curve.get_xdata())) == dataset.sizes["time"]
+
+
+def test_a_band_has_a_gap_where_nothing_is_known() -> None:
+    """No polygon leads over values that are missing."""
+    dataset = two_swings(3000.0).isel(temperature=0)
+    dataset["thickness_stretch"][12_000:18_000] = np.nan
+    axes = plots.history(dataset, ax=new_axes())[0].axes
+    assert axes is not None
+    assert len(axes.patches) == 2
+
+
+def test_a_new_figure_of_a_long_history_has_its_last_turns_beside_it() -> None:
+    """Ten of them, on the same vertical scale; a short history has no second axes."""
+    dataset = two_swings(4000.0)
+    axes = plots.history(dataset)[0].axes
+    assert axes is not None
+    _, beside = axes.figure.axes
+    assert beside.get_ylim() == axes.get_ylim()
+    assert beside.get_xlim() == pytest.approx((4000.0 - 20.0 * np.pi, 4000.0), abs=0.5)
+    assert len(beside.lines) == 2
+    short = plots.history(dataset.isel(time=slice(0, 400)))[0].axes
+    assert short is not None
+    assert len(short.figure.axes) == 1
+    plt.close("all")
 
 
 def test_labels_break_between_words_and_keep_their_mathematics() -> None:

@@ -80,6 +80,58 @@ def test_a_branch_of_saddles_is_named_so_alone() -> None:
     assert "stable" not in legend_texts(axes)
 
 
+def ends_by_stability(lines: list[Line2D]) -> dict[str, list[tuple[float, float]]]:
+    """The first and the last point of each stability's line; of one line each."""
+    found: dict[str, list[tuple[float, float]]] = {}
+    for line in lines:
+        points = np.asarray(line.get_xydata())
+        found.setdefault(str(line.get_gid()), []).extend([tuple(points[0]), tuple(points[-1])])
+    return found
+
+
+def without_the_fold() -> xr.Dataset:
+    """A branch with computed points on both sides of its fold, and none at it."""
+    whole = synthetic.fold()
+    return whole.isel(point=whole["amplitude"].values != 1.0)
+
+
+@pytest.mark.parametrize("points", [slice(None), slice(None, None, -1), slice(None, None, 3)])
+def test_the_line_changes_its_style_at_the_special_point(points: slice) -> None:
+    """Solid ends and dashed begins at the fold itself, not at the last point before it."""
+    dataset = without_the_fold().isel(point=points)
+    ends = ends_by_stability(plots.branch(dataset, ax=Figure().add_subplot()))
+    for stability in ("stable", "saddle"):
+        assert (1.0, 1.0) in ends[stability]
+
+
+def test_the_multiplier_that_reaches_the_circle_does_so_at_the_special_point() -> None:
+    """It is 1 there, and another one keeps the value that it has on both sides."""
+    lines = plots.multipliers(without_the_fold(), ax=Figure().add_subplot())
+    ends = ends_by_stability(lines)
+    for stability in ("stable", "saddle"):
+        assert {(1.0, 1.0), (1.0, 0.5)} <= set(ends[stability])
+
+
+def test_what_special_points_do_not_hold_is_cut_on_the_line() -> None:
+    """The value at the fold lies between those of its neighbours, at the frequency of the fold."""
+    dataset = without_the_fold()
+    dataset = dataset.assign(maximum=2.0 * dataset["amplitude"])
+    ends = ends_by_stability(plots.branch(dataset, "maximum", ax=Figure().add_subplot()))
+    (cut,) = set(ends["stable"]) & set(ends["saddle"])
+    assert cut == pytest.approx((1.0, 2.0), abs=1e-12)
+
+
+def test_a_change_that_no_special_point_explains_stays_where_it_is_known() -> None:
+    """A special point elsewhere on the branch draws no line to itself."""
+    dataset = without_the_fold()
+    dataset = dataset.assign(
+        special_omega=("special", [0.9]), special_amplitude=("special", [0.71])
+    )
+    lines = plots.branch(dataset, ax=Figure().add_subplot())
+    drawn = np.concatenate([np.asarray(line.get_ydata()) for line in lines])
+    assert np.isin(drawn, dataset["amplitude"].values).all()
+
+
 def test_marks_stand_off_the_frame() -> None:
     """A fold at the end of what was followed is seen whole."""
     axes = plots.branch(synthetic.fold())[0].axes

@@ -10,6 +10,7 @@ import pytest
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.markers import TICKUP
 from matplotlib.patches import PathPatch
 
 import remanent as rm
@@ -82,10 +83,26 @@ def test_frequencies_without_a_result_are_marked() -> None:
     status[0, [2, 3]] = int(rm.Status.MAX_STEPS)
     axes = axes_of(plots.response(dataset.assign(status=(("temperature", "omega"), status))))
     assert "no result: max-steps" in texts(axes)
-    (ticks,) = [
-        line for line in axes.lines if line.get_marker() == "|" and line.get_markersize() > 5
-    ]
+    (ticks,) = [line for line in axes.lines if str(line.get_marker()) == str(TICKUP)]
     np.testing.assert_array_equal(ticks.get_xdata(), dataset["omega"].values[[2, 3]])
+
+
+def test_marks_on_the_edge_stand_inside_the_axes() -> None:
+    """Where nothing rests a mark rises from the lower edge, and none hangs below it."""
+    balloon = rm.LagrangianSystem(
+        coordinates="stretch", kinetic="stretch_rate**2/2",
+        potential="stretch**2 + stretch**-4/2 - pressure*stretch**3/3",
+        parameters={"pressure": 0.5}, rest={"stretch": 1.0},
+    )  # fmt: skip
+    over = {"pressure": [0.0, 0.6, 1.2, 1.8]}
+    found = rm.equilibria(balloon, over=over, state_box={"stretch": (0.9, 4.0)})
+    axes = axes_of(plots.equilibria(found))
+    (ticks,) = [line for line in axes.lines if str(line.get_marker()) == str(TICKUP)]
+    axes.figure.draw_without_rendering()  # type: ignore[union-attr]
+    style = ticks._marker  # type: ignore[attr-defined]
+    heights = style.get_transform().transform(style.get_path().vertices)[:, 1]
+    assert heights.min() >= 0.0
+    assert heights.max() > 0.0
 
 
 def test_a_cloud_that_stops_says_how_many_points_it_has() -> None:
@@ -129,8 +146,19 @@ def test_undecided_cells_are_named_also_where_they_are_the_only_entry() -> None:
     assert len(cell_patches(mesh.axes)) == 1
 
 
+def test_a_lone_exponent_is_named_instead_of_scaled() -> None:
+    """A colour bar that serves one cell would say no more than its number."""
+    dataset = synthetic.regimes()
+    dataset["regime"].values[1, 1] = "undecided"
+    mesh = plots.map(dataset, ax=Figure().add_subplot())
+    assert isinstance(mesh.axes, Axes)
+    assert texts(mesh.axes) == [r"chaotic, $\Lambda = 0.1$", "undecided"]
+    figure = mesh.axes.figure
+    assert [axes.get_ylabel().split(":")[0] for axes in figure.axes[1:]] == ["quasi-periodic"]
+
+
 def test_a_bar_that_is_not_defined_says_so() -> None:
-    """No length would read as zero."""
+    """No length would read as zero; it stands below those that are."""
     values = np.array([1.0, np.nan, -0.5])
     dataset = xr.Dataset(
         {"elasticity": ("field", values)}, coords={"field": ["temperature", "c", "b"]}
@@ -138,7 +166,10 @@ def test_a_bar_that_is_not_defined_says_so() -> None:
     axes = plots.bars(dataset)[0].patches[0].axes
     assert isinstance(axes, Axes)
     (word,) = [text for text in axes.texts if text.get_text() == "not defined"]
-    assert word.xy == (0.0, 1.0)  # type: ignore[attr-defined]
+    assert word.xy == (0.0, 2.0)  # type: ignore[attr-defined]
+    low, high = sorted(axes.get_ylim())
+    assert low < -0.35
+    assert high > 2.35  # the room of its bar lies inside the frame
 
 
 @pytest.mark.parametrize("as_variable", [True, False])

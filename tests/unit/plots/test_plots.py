@@ -13,6 +13,7 @@ import pytest
 import xarray as xr
 from matplotlib import pyplot as plt
 from matplotlib.artist import Artist
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
@@ -356,7 +357,7 @@ def test_a_fit_shows_what_it_compared() -> None:
 
 
 def test_bars_are_as_long_as_their_values() -> None:
-    """One set for each measure, in the order of the fields, with error lines."""
+    """One set for each measure, with error lines, the field with the longest bar on top."""
     values = np.array([[1.0, -2.0, 0.5], [0.1, 0.2, 0.3]])
     dataset = xr.Dataset(
         {
@@ -366,9 +367,16 @@ def test_bars_are_as_long_as_their_values() -> None:
         coords={"measure": ["fold", "peak"], "field": ["temperature", "c", "b"]},
     )
     found = plots.bars(dataset)
-    for container, row in zip(found, values, strict=True):
-        np.testing.assert_allclose([bar.get_width() for bar in container.patches], row)
-        assert container.errorbar is not None
+    unsorted = plots.bars(dataset, sort=False)
+    for drawn, order in ((found, [1, 0, 2]), (unsorted, [0, 1, 2])):
+        for container, row in zip(drawn, values[:, order], strict=True):
+            np.testing.assert_allclose([bar.get_width() for bar in container.patches], row)
+            assert container.errorbar is not None
+    axes = found[0].patches[0].axes
+    assert isinstance(axes, Axes)
+    assert axes.get_yticklabels()[0].get_text().startswith("slenderness")
+    low, high = axes.get_ylim()
+    assert low > high  # the first field is on top
     with pytest.raises(InputError, match="field"):
         plots.bars(dataset, "derivative")
 

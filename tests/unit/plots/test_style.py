@@ -101,6 +101,14 @@ def test_numbers_are_typeset(value: float, expected: str) -> None:
     assert style.format_number(value) == expected
 
 
+def test_a_variable_without_a_symbol_is_named_once() -> None:
+    """Its symbol is its name then, which the axis need not repeat."""
+    attrs = {"long_name": "inner pressure", "symbol": r"\mathrm{inner pressure}", "units": "kPa"}
+    assert style.axis_label(xr.Variable((), 0.0, attrs)) == "inner pressure (kPa)"
+    named = attrs | {"symbol": "P"}
+    assert style.axis_label(xr.Variable((), 0.0, named)) == "inner pressure, $P$ (kPa)"
+
+
 def test_footer_says_what_the_picture_does_not() -> None:
     """Parameters, drive, settings, tolerance and version; nothing that was varied."""
     found = footer.footer_text(synthetic.frequency_response(7, 10.0))

@@ -11,6 +11,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from remanent.report import dynamics_figures, evidence_figures, figures
+from remanent.report.settings import MAX_RESONANCE_MISFIT
 from tests.unit.plots import synthetic
 
 Make = Callable[[], list[xr.Dataset]]
@@ -99,6 +100,56 @@ def test_panels_of_figure_5_are_lettered_as_published() -> None:
     assert [title[:3] for title in titles] == [f"({k})" for k in "abgcdhefi"]
     assert "250" in titles[0]
     assert "400" in titles[6]
+
+
+def test_each_column_of_figure_5_has_one_scale() -> None:
+    """What is three times as large is drawn three times as large, and the axes say what it is."""
+    axes = figures.draw_figure_5_or_6(
+        synthetic.forced(0.0, 1.25, 10.0), synthetic.sections(0.0, 1.25, 12)
+    ).axes
+    for column in range(3):
+        assert len({(one.get_xlim(), one.get_ylim()) for one in axes[column::3]}) == 1
+    assert all("rate" in one.get_ylabel() for one in axes[1::3])
+
+
+def test_choices_that_agree_are_marked_in_their_cells() -> None:
+    """Each dot is a choice whose misfit is small enough; no line leads between cells."""
+    dataset = synthetic.valley()
+    axes = evidence_figures.draw_misfit_maps(dataset).axes[0]
+    dots, least = axes.lines
+    misfit = dataset["misfit"].isel(law=0, window=0)
+    assert not axes.collections[1:]
+    assert len(np.asarray(dots.get_xdata())) == int((misfit <= MAX_RESONANCE_MISFIT).sum()) > 1
+    for x, y in np.asarray(dots.get_xydata()):
+        assert float(misfit.sel(reference_temperature=x, b=y)) <= MAX_RESONANCE_MISFIT
+    (place,) = np.asarray(least.get_xydata())
+    assert float(misfit.sel(reference_temperature=place[0], b=place[1])) == float(misfit.min())
+
+
+def test_the_legend_of_the_jump_names_what_is_in_view() -> None:
+    """A special point beyond the frame has no entry."""
+    branches = synthetic.diagram().isel(prestress=0, temperature=1)
+    response = synthetic.frequency_response(7, 10.0).isel(prestress=0, temperature=1)
+    response = response.assign(amplitude=response["amplitude"] + 1.0)  # the frame is as high
+    drawn = {
+        name: dynamics_figures.draw_jump_at_resonance(
+            branches, one, synthetic.beside_a_saddle(), synthetic.crossing()
+        )
+        for name, one in {"all": response, "part": response.sel(omega=slice(0.5, 1.1))}.items()
+    }
+    words = {
+        name: [text.get_text() for text in figure.legends[0].get_texts()]
+        for name, figure in drawn.items()
+    }
+    assert "fold" in words["all"]
+    assert "fold" not in words["part"]
+    assert "saddle" in words["part"]
+
+
+def test_the_bars_of_the_landscapes_are_named() -> None:
+    """What a bar across a well stands for is in the legend."""
+    figure = evidence_figures.draw_landscapes(synthetic.potential())
+    assert any("energy" in text.get_text() for text in figure.legends[0].get_texts())
 
 
 def test_no_peak_is_cut_off() -> None:

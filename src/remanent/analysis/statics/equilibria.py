@@ -13,6 +13,10 @@ from remanent._typing import FloatArray, IntArray
 #: Step of a complex difference: it loses no digits however small it is.
 _COMPLEX_STEP = 1e-100
 
+#: At how many points a force is evaluated at once, so that its intermediate arrays stay in the
+#: cache of a core: those of a large ensemble would fill the memory.
+_POINTS_AT_ONCE = 32_768
+
 #: ``force(case, x)`` with arrays (point,) gives the force (point,).
 ForceFunction = Callable[[IntArray, Any], Any]
 #: ``force(case, x, p)`` gives the same for values (point,) of a parameter, such as the load.
@@ -37,10 +41,8 @@ def find_force_zeros(force: ForceFunction, cases: int, grid: FloatArray) -> Floa
     array (case, zero)
         Ascending in every row; NaN after the last.
     """
-    points = np.shape(grid)[-1]
-    grid = np.broadcast_to(grid, (cases, points))
-    index = np.repeat(np.arange(cases), points)
-    values = np.asarray(force(index, grid.ravel())).reshape(cases, points)
+    grid = np.broadcast_to(grid, (cases, np.shape(grid)[-1]))
+    values = _values_on_grid(force, grid)
     case, k = np.nonzero(np.sign(values[:, 1:]) * np.sign(values[:, :-1]) < 0)
     exact_case, exact_k = np.nonzero(values == 0.0)
     roots = np.empty(0)
@@ -109,6 +111,18 @@ def force_slope(force: ForceFunction, case: IntArray, x: FloatArray) -> FloatArr
     array (point,)
     """
     return np.asarray(np.imag(force(case, x + 1j * _COMPLEX_STEP)) / _COMPLEX_STEP)
+
+
+def _values_on_grid(force: ForceFunction, grid: FloatArray) -> FloatArray:
+    """The force of each case at its positions, array (case, point), some cases at a time."""
+    cases, points = grid.shape
+    values = np.empty(grid.shape)
+    at_once = max(_POINTS_AT_ONCE // points, 1)
+    for first in range(0, cases, at_once):
+        block = np.arange(first, min(first + at_once, cases))
+        found = np.asarray(force(np.repeat(block, points), grid[block].ravel()))
+        values[block] = found.reshape(-1, points)
+    return values
 
 
 def _sort_into_rows(case: IntArray, x: FloatArray, cases: int) -> FloatArray:

@@ -31,6 +31,21 @@ def test_a_zero_on_the_grid_is_found_once() -> None:
     assert found.tolist() == [[1.0]]
 
 
+def test_each_of_many_cases_has_the_zeros_that_it_has_alone() -> None:
+    """A thousand cases, evaluated some at a time, bit for bit; and none at all."""
+    scale = np.linspace(0.0, 3.0, 1000)
+    together = find_force_zeros(lambda case, x: x**3 - scale[case] * x + 0.1, 1000, GRID)
+    for k in (0, 323, 324, 999):
+
+        def alone(case: IntArray, x: FloatArray, k: int = k) -> FloatArray:
+            return x**3 - scale[case + k] * x + 0.1
+
+        (zeros,) = find_force_zeros(alone, 1, GRID)
+        assert together[k, : zeros.size].tolist() == zeros.tolist()
+        assert np.isnan(together[k, zeros.size :]).all()
+    assert find_force_zeros(cubic, 0, GRID).shape == (0, 0)
+
+
 def test_no_zero_no_column() -> None:
     """A force that never vanishes."""
     assert find_force_zeros(lambda case, x: x**2 + 1.0 + case, 2, GRID).shape == (2, 0)
