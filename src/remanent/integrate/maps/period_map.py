@@ -6,8 +6,9 @@ Unlike an ensemble's run, a map is applied again and again to states that analys
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -32,8 +33,10 @@ from remanent.integrate.variations import field_with_tangents
 #: Whose errors are controlled: those of the state and of the derivatives, of the state alone,
 #: or none.
 ErrorControl = Literal["all", "state", "none"]
-#: Groups of trajectories in one chunk, the task of a thread.
-_GROUPS_PER_CHUNK = 32
+#: Groups of trajectories that are advanced by one call, so that their records stay small.
+_GROUPS_PER_RUN = 32
+#: Double steps of groups that make a task for a thread: about a millisecond.
+_DOUBLE_STEPS_PER_TASK = 4096
 #: Double steps per period to begin with.
 _FIRST_RESOLUTION = 8
 #: Errors from here on no longer follow the order of the method.
@@ -118,6 +121,65 @@ class _StartingPoints:
         )
 
 
+@dataclass(frozen=True)
+class _Run:
+    """Some groups of one resolution."""
+
+    groups: slice
+    level: int
+
+
+@dataclass(frozen=True)
+class _Lanes:
+    """Which points are computed where: those of one resolution are neighbours.
+
+    Attributes
+    ----------
+    points : array (lane,) of int
+        The point of each lane.  The last group of a resolution is filled up with copies.
+    levels : array (lane,) of int
+        The resolution of each lane.
+    lane_count : int
+        Lanes of a group.
+    """
+
+    points: IntArray
+    levels: IntArray
+    lane_count: int
+
+    @classmethod
+    def of_points(cls, points: IntArray, levels: IntArray, lane_count: int) -> _Lanes:
+        """Lanes for points that have these resolutions."""
+        order = np.argsort(levels, kind="stable")
+        sorted_levels = levels[order]
+        firsts = np.flatnonzero(np.diff(sorted_levels, prepend=-1))
+        counts = np.diff(firsts, append=levels.size)
+        sizes = -(-counts // lane_count) * lane_count
+        place_in_level = np.arange(sizes.sum()) - np.repeat(np.cumsum(sizes) - sizes, sizes)
+        place = np.repeat(firsts, sizes) + np.minimum(place_in_level, np.repeat(counts - 1, sizes))
+        return cls(points[order[place]], sorted_levels[place], lane_count)
+
+    def runs(self) -> Iterator[_Run]:
+        """All groups, in runs of one resolution."""
+        levels = self.levels[:: self.lane_count]
+        firsts = np.flatnonzero(np.diff(levels, prepend=-1)).tolist()
+        for begin, end in itertools.pairwise([*firsts, levels.size]):
+            for first in range(begin, end, _GROUPS_PER_RUN):
+                yield _Run(slice(first, min(first + _GROUPS_PER_RUN, end)), int(levels[begin]))
+
+    def tasks(self, periods: int) -> list[list[_Run]]:
+        """The runs in tasks that are worth a thread."""
+        tasks: list[list[_Run]] = []
+        room = 0
+        for run in self.runs():
+            if room <= 0:
+                tasks.append([])
+                room = _DOUBLE_STEPS_PER_TASK
+            tasks[-1].append(run)
+            room -= (run.groups.stop - run.groups.start) * run.level * periods
+        return tasks
+
+
 class PeriodMap:
     """A field over whole periods of its load.
 
@@ -141,6 +203,8 @@ class PeriodMap:
         alone, which takes less time; or "none", so that the map takes the steps it is told.
     resolution_ladder : array of int
         The resolutions there are.
+    is_threaded : bool
+        Threads share the work of one call; whoever calls from many threads does without.
     """
 
     def __init__(
@@ -153,6 +217,7 @@ class PeriodMap:
         phase: float = 0.0,
         error_control: ErrorControl = "all",
         resolution_ladder: IntArray = FINE_RESOLUTION_LADDER,
+        is_threaded: bool = True,
     ) -> None:
         self.field, self.dimension = field, len(field.state_names)
         self.direction_count, self.column_count = directions, directions + len(parameters)
@@ -176,6 +241,7 @@ class PeriodMap:
         )
         self._cycle_tables = cycle_tables(waveform, phase)
         self._resolution_ladder = resolution_ladder
+        self._is_threaded = is_threaded
 
     def __call__(
         self,
@@ -232,16 +298,13 @@ class PeriodMap:
         path = np.full((count, cycles, d), np.nan) if visited else None
         pending = np.arange(count)
         while pending.size:
-            for level in np.unique(levels[pending]):
-                members = pending[levels[pending] == level]
-                memory = self._initial_memory(points.subset(members), int(level), course)
-                states_after = self._advance_points(memory, int(level), course)
-                ends[members] = memory.state_vectors("fine")
-                difference = ends[members] - memory.state_vectors("coarse")
-                last_error[members] = self._error_per_solution_difference * difference
-                error[members] = memory.column("largest_error")
-                if path is not None and states_after is not None:
-                    path[members] = states_after
+            lanes = _Lanes.of_points(pending, levels[pending], self.kernel.lane_count)
+            memory = self._initial_memory(points.subset(lanes.points), lanes.levels, course)
+            self._advance(memory, lanes, course, path)
+            ends[lanes.points] = fine = memory.state_vectors("fine")
+            difference = fine - memory.state_vectors("coarse")
+            last_error[lanes.points] = self._error_per_solution_difference * difference
+            error[lanes.points] = memory.column("largest_error")
             missed = pending[~(error[pending] <= tolerances[pending])]
             finer = self._refined_resolutions(
                 error[missed], tolerances[missed], levels[missed], half
@@ -276,24 +339,29 @@ class PeriodMap:
         )  # fmt: skip
         return np.asarray(finer + (finer % 2 if half else 0))
 
-    def _advance_points(
-        self, memory: LaneMemory, level: int, course: _MapExtent
-    ) -> FloatArray | None:
-        """Advance some points in place; the states after each period where asked."""
-        chunks = list(memory.split_by_groups(_GROUPS_PER_CHUNK))
+    def _advance(
+        self, memory: LaneMemory, lanes: _Lanes, course: _MapExtent, path: FloatArray | None
+    ) -> None:
+        """Advance points in place, and write their states after each period into `path`."""
 
-        def advance(chunk: FloatArray) -> FloatArray | None:
-            return self._advance_chunk(chunk, level, course)
+        def advance(task: list[_Run]) -> None:
+            for run in task:
+                record = self._advance_run(memory.slots[run.groups], run.level, course)
+                if path is not None and record is not None:
+                    begin, end = (
+                        group * lanes.lane_count for group in (run.groups.start, run.groups.stop)
+                    )
+                    states = memory.by_trajectory(record)[:, :, : self.dimension]
+                    path[lanes.points[begin:end]] = states
 
-        records = results_of_all(advance, chunks)
-        if not course.keeps_visited_states:
-            return None
-        joined = np.concatenate([r for r in records if r is not None], axis=1)
-        return memory.by_trajectory(joined)[:, :, : self.dimension]
+        tasks = lanes.tasks(course.periods)
+        if self._is_threaded:
+            results_of_all(advance, tasks)
+        else:
+            for task in tasks:
+                advance(task)
 
-    def _advance_chunk(
-        self, lanes: FloatArray, level: int, course: _MapExtent
-    ) -> FloatArray | None:
+    def _advance_run(self, lanes: FloatArray, level: int, course: _MapExtent) -> FloatArray | None:
         """Advance some groups in place; the states after each period where asked."""
         fine, coarse = self._cycle_tables(self.kernel.method.nodes, level)
         record = None
@@ -308,7 +376,7 @@ class PeriodMap:
         return record
 
     def _initial_memory(
-        self, points: _StartingPoints, level: int, course: _MapExtent
+        self, points: _StartingPoints, levels: IntArray, course: _MapExtent
     ) -> LaneMemory:
         """The numbers of some points before the first period."""
         vectors = {
@@ -318,7 +386,7 @@ class PeriodMap:
         }
         scalars: dict[str, FloatArray | float] = {
             "cycle_length": points.period_lengths,
-            "fine_step_length": points.period_lengths / (2 * level),
+            "fine_step_length": points.period_lengths / (2 * levels),
             # Later than the end of the run, so that no cycle is left out.
             "run_end": 2.0 * (course.periods + 1) * points.period_lengths,
             "tolerance": np.inf,

@@ -38,7 +38,7 @@ from remanent.studies.ensemble.problem import initial_value_problem
 from remanent.studies.ensemble.progress import ProgressFunction
 
 #: Trajectories followed together: enough of each resolution to fill the lanes of a kernel.
-TRAJECTORIES_PER_CHUNK = 1024
+TRAJECTORIES_PER_CHUNK = 4096
 #: Bound of a period's error for orbits that motions settle on, at most.
 LIMIT_ORBIT_TOLERANCE = 1e-9
 #: Double steps per period of the coarser of two maps, at least.
@@ -119,7 +119,11 @@ class EnsembleFollower:
 
         @lru_cache
         def period_map(directions: int, error_control: ErrorControl = "all") -> PeriodMap:
-            return PeriodMap(field, waveform, directions=directions, error_control=error_control)
+            # Chunks of trajectories have threads of their own.
+            return PeriodMap(
+                field, waveform, directions=directions, error_control=error_control,
+                is_threaded=False,
+            )  # fmt: skip
 
         return period_map
 
