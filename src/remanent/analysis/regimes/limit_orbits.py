@@ -19,6 +19,10 @@ from remanent.analysis.orbits.periodic_orbits import fixed_point_newton_step
 _NEWTON_STEP_COUNT = 6
 #: Distance of a point of a periodic orbit from its image, at most.
 _MAX_ORBIT_RESIDUAL = 1e-8
+#: From a point that is nearer to its image than this, the next step ends within rounding.
+_LAST_STEP_RESIDUAL = 1e-11
+#: Newton's method may leave the region that motion visits by so many times its extent.
+_REACH_IN_EXTENTS = 2.0
 #: Fewest distances from the orbit that show a rate of approach.
 _MIN_DISTANCES_FOR_APPROACH_RATE = 6
 #: Difference of the rate seen from that of the multiplier, relative to the latter, at most.
@@ -56,7 +60,11 @@ class LimitOrbits:
 
 
 def find_limit_orbits(
-    iterate: IterateWithJacobian, orbits: IntArray, states: FloatArray, period: int
+    iterate: IterateWithJacobian,
+    orbits: IntArray,
+    states: FloatArray,
+    period: int,
+    extent: FloatArray | float = np.inf,
 ) -> LimitOrbits:
     """Periodic orbits near some states, by a few steps of Newton's method.
 
@@ -70,16 +78,27 @@ def find_limit_orbits(
         Near the periodic orbits.
     period : int
         The same for all.
+    extent : array (orbit,) or float
+        Of the region that each motion visits.  Newton's method is given up far from it, where
+        nothing lies that the motion approaches, and a period may take thousands of steps.
     """
     x = states.copy()
     residual, largest = np.full((2, len(x)), np.inf)
+    reach = np.broadcast_to(_REACH_IN_EXTENTS * np.asarray(extent), len(x))
+    active = np.arange(len(x))
     for _ in range(_NEWTON_STEP_COUNT):
-        image, jacobian = iterate(orbits, x, period)
-        move, residual = fixed_point_newton_step(x, image, jacobian)
-        finite = np.isfinite(jacobian).all(axis=(1, 2)) & np.isfinite(residual)
+        if not active.size:
+            break
+        image, jacobian = iterate(orbits[active], x[active], period)
+        move, residual[active] = fixed_point_newton_step(x[active], image, jacobian)
+        finite = np.isfinite(jacobian).all(axis=(1, 2)) & np.isfinite(residual[active])
         safe = np.where(finite[:, None, None], jacobian, 0.0)
-        largest = np.where(finite, np.abs(np.linalg.eigvals(safe)).max(axis=1), np.inf)
-        x = x + move
+        largest[active] = np.where(finite, np.abs(np.linalg.eigvals(safe)).max(axis=1), np.inf)
+        x[active] += move
+        near = np.abs(x[active] - states[active]).max(axis=1) <= reach[active]  # not where NaN
+        lost = active[~near]
+        x[lost], residual[lost], largest[lost] = np.nan, np.inf, np.inf
+        active = active[near & (residual[active] > _LAST_STEP_RESIDUAL)]
     return LimitOrbits(x, residual, largest)
 
 
@@ -150,7 +169,9 @@ def find_approached_orbit_periods(
         if not subset.size:
             continue
         states = visited[subset]
-        ahead = find_limit_orbits(iterate, orbits[subset], states[:, -1], q)
+        # Where motion approaches an orbit, it has come from farther away than it still is.
+        extent = np.ptp(states, axis=1).max(axis=1)
+        ahead = find_limit_orbits(iterate, orbits[subset], states[:, -1], q, extent)
         with np.errstate(invalid="ignore"):
             rate = np.log(np.maximum(ahead.largest_multiplier_modulus, 1e-300)) / q
             stable = ahead.has_converged & (rate < 0.0)

@@ -96,7 +96,7 @@ def find_settled_orbit_periods(
     closes = best.late_return_defect <= MAX_CLOSED_RETURN_DEFECT
     for q in np.unique(best.period[closes]).tolist():
         some = np.flatnonzero(closes & (best.period == q))
-        ahead = find_limit_orbits(iterate, orbits[some], visited[some, -1], q)
+        ahead = find_limit_orbits(iterate, orbits[some], visited[some, -1], q, best.extent[some])
         with np.errstate(invalid="ignore"):
             distance = np.abs(ahead.state - visited[some, -1]).max(axis=1)
             settled = (

@@ -69,6 +69,37 @@ def test_the_limit_ahead_is_the_fixed_point() -> None:
     assert found.largest_multiplier_modulus[0] == pytest.approx(0.8, abs=1e-12)
 
 
+def test_a_limit_that_is_reached_is_not_computed_again() -> None:
+    """Two fixed points, one from nearby, one from afar; the second needs more steps."""
+    points = Iterated(logistic, np.array([[2.8], [2.8]]))
+    asked: list[int] = []
+
+    def iterate(orbits: IntArray, states: FloatArray, period: int) -> tuple[FloatArray, FloatArray]:
+        asked.extend(orbits.tolist())
+        return points.iterate(orbits, states, period)
+
+    found = find_limit_orbits(iterate, np.arange(2), np.array([[1 - 1 / 2.8 + 1e-7], [0.9]]), 1)
+    np.testing.assert_allclose(found.state[:, 0], 1 - 1 / 2.8, atol=1e-14)
+    assert found.has_converged.all()
+    assert asked.count(0) == 2
+    assert 2 < asked.count(1) <= 6
+
+
+def test_the_limit_is_not_looked_for_far_from_the_motion() -> None:
+    """x^2 - 2: Newton's method would go from 0.9 to the fixed point at 2, and does from 1.9."""
+
+    def iterate(_: IntArray, states: FloatArray, __: int) -> tuple[FloatArray, FloatArray]:
+        return states**2 - 2.0, 2.0 * states[:, :, None]
+
+    states = np.array([[0.9], [1.9]])
+    anywhere = find_limit_orbits(iterate, np.arange(2), states, 1)
+    np.testing.assert_allclose(anywhere.state[:, 0], 2.0)
+    near = find_limit_orbits(iterate, np.arange(2), states, 1, extent=np.array([0.3, 0.3]))
+    assert near.has_converged.tolist() == [False, True]
+    assert np.isnan(near.state[0, 0])
+    assert near.largest_multiplier_modulus[1] == pytest.approx(4.0)
+
+
 def test_attractors_are_sorted_by_their_visitors() -> None:
     """Two orbits of period 2, seen at different phases, and a third motion that is lost."""
     a, b = np.tile([0.0, 1.0], 8), np.tile([5.0, 6.0], 8)
