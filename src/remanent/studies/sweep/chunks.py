@@ -17,7 +17,7 @@ _POINTS_PER_CHUNK_OF_SEARCHES = 8
 #: Chunks of a large grid, at least.  Beyond that they are larger, as each is a file for every
 #: variable, until one takes about half a second on one core: so many oscillations, or searches.
 _MANY_CHUNKS = 32
-_OSCILLATIONS_PER_CHUNK = 50_000
+_OSCILLATIONS_PER_CHUNK = 100_000
 _SEARCHES_PER_CHUNK = 32
 #: Oscillations of a motion where the study does not say how long it is.
 _USUAL_OSCILLATIONS = 200
