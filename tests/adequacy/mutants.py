@@ -123,7 +123,7 @@ def is_mutant(root: Path, mutant: Mutant) -> bool:
     """Whether the change compiles, and changes what runs."""
     try:
         after = _what_runs(mutated(root, mutant))
-    except SyntaxError:
+    except (SyntaxError, AttributeError):  # of names with dots, Cosmic Ray makes the latter
         return False
     return after != _what_runs((root / PACKAGE / mutant.file).read_text("utf-8"))
 

@@ -115,7 +115,7 @@ def test_consoles_with_few_letters_show_the_rest_as_question_marks(
         check=False, env={**os.environ, "PYTHONIOENCODING": encoding},
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
-    assert done.stdout.startswith(b"?")
+    assert done.stdout.startswith(b"Wrote ?")
     assert (tmp_path / "λ²τ.toml").is_file()
 
 

@@ -20,7 +20,7 @@ TELL = """
 from remanent import _machine
 print(_machine.available_processor_count(), _machine.available_memory_bytes())
 """
-#: Prints how many megabytes of freed arrays a fresh process still holds, while a small one stays.
+#: Prints how many megabytes a fresh process holds when seven of eight arrays have been freed.
 TELL_HELD = """
 import numpy as np
 from pathlib import Path
@@ -34,7 +34,7 @@ if {keep}:
 np.ones(2**21)  # freed: from now on arrays of less than 16 MB count as small
 before = held()
 arrays = [np.ones(2**18) for _ in range(64)]
-stays = np.ones(2**18)
+stay = arrays[::8]
 del arrays
 print(held() - before)
 """
@@ -97,7 +97,7 @@ def test_without_control_groups_there_is_no_limit(tmp_path: Path) -> None:
 
 @pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="only GNU's library keeps gaps")
 def test_large_arrays_that_are_freed_leave_no_gaps() -> None:
-    """Of 134 MB that were freed below an array that stays, a process holds none."""
+    """Of 134 MB, an eighth stays here and there: a process holds that eighth."""
 
     def megabytes_held(keep: bool) -> float:
         code = TELL_HELD.format(keep=keep)
@@ -105,5 +105,5 @@ def test_large_arrays_that_are_freed_leave_no_gaps() -> None:
             [sys.executable, "-c", code], check=True, capture_output=True, text=True
         ).stdout)  # fmt: skip
 
-    assert megabytes_held(keep=True) < 10.0
+    assert megabytes_held(keep=True) < 25.0
     assert megabytes_held(keep=False) > 100.0
