@@ -111,3 +111,14 @@ def test_the_command_is_that_of_the_package(filled: dict[str, str]) -> None:
     """The page is made from the group of all commands."""
     assert ".. click:: remanent.cli.main:commands" in filled["command"]
     assert {"run", "verify", "show", "explore", "export", "new", "paper"} <= set(commands.commands)
+
+
+def test_every_argument_of_a_command_is_described() -> None:
+    """The page and `--help` say of each argument and option what it is, in a sentence."""
+    described = {
+        (name, parameter.name): getattr(parameter, "help", None) or ""
+        for name, command in commands.commands.items()
+        for parameter in command.params
+    }
+    assert ("explore", "source") in described
+    assert {place for place, text in described.items() if not text.endswith(".")} == set()
