@@ -62,6 +62,13 @@ def test_every_public_name_is_documented_once(filled: dict[str, str]) -> None:
     assert set(re.findall(r"`~remanent\.(\w+)`", filled["reference"])) == public
 
 
+def test_summaries_are_words(filled: dict[str, str]) -> None:
+    """Formulas are mathematics, below the summary; the table of names has none."""
+    summaries = re.findall(r"^\| \{py:obj\}`~remanent\.\w+` \| (.*) \|$", filled["reference"], re.M)
+    assert len(summaries) > 50
+    assert not [text for text in summaries if re.search(r"\^| = |\w\\?\[", text)]
+
+
 def test_every_variable_is_listed_once(filled: dict[str, str]) -> None:
     """Each row of the table of variables, with its meaning."""
     table = filled["variables"].partition("## The table")[2]
