@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
 
 from remanent.plots import style
 
@@ -54,6 +55,8 @@ def _errors(ax: Axes, points: np.ndarray[Any, np.dtype[np.float64]]) -> None:
     on_line: Any = {"rotation": 45.0, "rotation_mode": "anchor", "transform_rotates_text": True}
     on_line["fontsize"] = 7.5
     ax.text(1.5e-15, 0.8e-15, "equal", va="top", **on_line)
+    # Points lie below the word.
+    on_line["path_effects"] = [withStroke(linewidth=2.0, foreground=ax.get_facecolor())]
     ax.text(1.5e-16, 2.2e-14, "100 times", va="bottom", **on_line)
 
 
@@ -85,7 +88,9 @@ def write_page(results: Mapping[str, Any], path: Path) -> None:
         f"{total['median_ratio']:.1f} times as large at the median. The true errors are "
         f"differences from {results['reference']}.\n",
         "```{figure} /results/coverage.svg\n"
-        ":alt: Reported against true errors; share not covered\n\n"
+        ":alt: Left, points of reported against true errors, with lines where they are equal and "
+        "where the reported one is a hundred times as large; right, a bar and a limit for each "
+        "decade of the tolerance\n\n"
         "Reported against true errors, and the share of trajectories whose reported error was\n"
         "smaller than the true one, by decade of the tolerance, with limits at 95 % confidence.\n"
         "```\n",

@@ -23,14 +23,17 @@ _LOOK = {
 
 def precision(data: Any, path: Path) -> None:
     """Time against error, worst and median."""
+    titles = {"worst": "worst of all frequencies", "median": "median of all frequencies"}
     with style.context():
-        figure = Figure(figsize=(style.DOUBLE_COLUMN_WIDTH_INCHES, 3.0), layout="constrained")
+        figure = Figure(figsize=(style.DOUBLE_COLUMN_WIDTH_INCHES, 3.6), layout="constrained")
         panels = figure.subplots(1, 2, sharey=True)
-        for letter, key, axes in zip("ab", ("worst", "median"), panels, strict=True):
+        for letter, (key, title), axes in zip("ab", titles.items(), panels, strict=True):
             lines = [_curve(axes, tool, curve, key) for tool, curve in data["curves"].items()]
-            axes.set(xscale="log", yscale="log", xlabel=f"{key} error of $\\lambda_3$")
+            axes.set(
+                xscale="log", yscale="log", xlabel="error of $\\lambda_3$, smaller to the right"
+            )
             axes.invert_xaxis()
-            style.set_panel_title(axes, letter, "")
+            style.set_panel_title(axes, letter, title)
         panels[0].set_ylabel(r"µs per trajectory and unit of $\tau$")
         style.add_legend_above(figure, lines)
         style.save_figure(figure, path)
@@ -59,20 +62,19 @@ def growth(data: Any, path: Path) -> None:
         figure = Figure(figsize=(style.DOUBLE_COLUMN_WIDTH_INCHES, 2.6), layout="constrained")
         left, right = figure.subplots(1, 2)
         blue, red = style.OKABE_ITO_COLOURS["blue"], style.OKABE_ITO_COLOURS["vermillion"]
-        left.loglog(count, [row["seconds"] for row in rows], "o-", color=blue, markersize=3.5)
+        seconds = [row["seconds"] for row in rows]
+        left.loglog(count, seconds, "D-", color=style.INK_COLOUR, markersize=3.5)
         left.set(xlabel="trajectories", ylabel="time (s)")
         parts = (("result", "the result", blue, "o-"), ("beyond", "beyond the result", red, "s--"))
-        lines = [
+        for key, label, colour, form in parts:
             right.loglog(
                 count, [max(row[key], 1) / 2**20 for row in rows], form, color=colour, label=label,
                 markersize=3.5,
-            )[0]
-            for key, label, colour, form in parts
-        ]  # fmt: skip
+            )  # fmt: skip
         right.set(xlabel="trajectories", ylabel="memory (MiB)")
-        style.set_panel_title(left, "a", "")
-        style.set_panel_title(right, "b", "")
-        style.add_legend_above(figure, lines)
+        style.set_panel_title(left, "a", "time")
+        style.set_panel_title(right, "b", "memory")
+        right.legend(loc="lower right")
         style.save_figure(figure, path)
 
 

@@ -175,11 +175,13 @@ def _details(row: str, data: Any) -> Iterator[str]:
 def _pictures(row: str, data: Any) -> Iterator[str]:
     if row == "precision":
         for name, one in data.items():
+            tools = "; ".join(curve["name"] for curve in one["curves"].values())
             yield from _picture(
-                f"precision-{name}", figures.precision, one, _CAPTIONS[name], _PRECISION_SEEN
-            )
+                f"precision-{name}", figures.precision, one, _CAPTIONS[name],
+                f"{_PRECISION_SEEN}: {tools}",
+            )  # fmt: skip
     elif row == "growth":
-        yield from _picture("growth", figures.growth, data, "Time and memory", _GROWTH_SEEN)
+        yield from _picture("growth", figures.growth, data, _GROWTH_CAPTION, _GROWTH_SEEN)
     elif row == "chart" and (DOCS / "results" / "chart.png").exists():
         yield f"```{{figure}} results/chart.png\n{_CHART_CAPTION}\n```\n"
 
@@ -193,10 +195,18 @@ _CHART_CAPTION = """\
 Tori by their rotation number, chaos by its exponent; grey is undecided after 500 periods. On the
 line a pair of orbits of the primary resonance is born."""
 _PRECISION_SEEN = (
-    "Time per trajectory and unit of time against the worst and the median error, for each tool"
+    "Two panels with logarithmic axes, the worst and the median error falling to the right and the "
+    "time rising; a curve of settings for each of"
 )
-_GROWTH_SEEN = "Time, and memory of the result and beyond it, against the number of trajectories"
-_CAPTIONS = {"response": "The cube: time against error.", "film": "The film: the same."}
+_GROWTH_SEEN = (
+    "Two panels with logarithmic axes, time and memory against the number of trajectories; memory "
+    "has one curve for the result and one for what is used beyond it"
+)
+_GROWTH_CAPTION = "Time (a), and memory of the result and beyond it (b)."
+_CAPTIONS = {
+    "response": "The cube: time against the worst error (a) and the median one (b).",
+    "film": "The film: the same.",
+}
 _SECTIONS: tuple[tuple[str, str, str, Any], ...] = (
     ("response", "Frequency response of a cube", _WORK, tables.work),
     ("film", "Frequency response of a film", _FILM, tables.work),

@@ -58,7 +58,8 @@ _EXACT = """\
 ## Exact cases
 
 Where a solution is known in closed form, by quadrature or as a convergent series, the result has
-to agree with it within its own reported error.
+to agree with it within its own reported error. Of balloons, l is the stretch, P the pressure and
+V the voltage, dimensionless.
 """
 _ENGINES = """\
 ## Independent engines
@@ -260,11 +261,10 @@ def _table(head: Sequence[str], rows: Iterator[Sequence[str]]) -> str:
 
 
 def _statement(docstring: str) -> str:
-    """What a test states: its docstring, without the names of laws."""
-    text = re.sub(r"\(?[Ll]aws?: [\w' ,]+?\)?\.|^[A-Z][\w ]+: (?=[a-z])", "", docstring)
-    text = text.strip().split("\n\n")[0]
-    first = " ".join(text.split())
-    return re.sub(r"([|*_])", r"\\\1", first)
+    """What a test states: the summary of its docstring, without the name of a law."""
+    summary = " ".join(docstring.partition("\n\n")[0].split())
+    without_law = re.sub(rf"^{EXACT}: (\w)", lambda first: first[1].upper(), summary)
+    return re.sub(r"([|*_])", r"\\\1", without_law)
 
 
 def _of_laws(found: Sequence[Law]) -> Iterator[str]:
@@ -286,12 +286,11 @@ def _of_exact_cases(found: Sequence[Law]) -> Iterator[str]:
 
     def rows() -> Iterator[Sequence[str]]:
         for file, listed in sources:
-            for name, docstring in listed:
-                words = name.removeprefix("test_").replace("_", " ")
-                yield f"*{words}*: {_statement(docstring)}", f"`{Path(file).name}`"
+            for _, docstring in listed:
+                yield _statement(docstring), f"`{Path(file).name}`"
 
     yield _EXACT
-    yield _table(["case, and what must hold", "file"], rows())
+    yield _table(["what must hold", "file"], rows())
 
 
 def _of_engines() -> Iterator[str]:

@@ -62,7 +62,10 @@ class Free:
     "free", [Free(1.0, 1.0, 0.0, 0.16), Free(0.1, 1.2, 0.5, 0.08), Free(1.0, 0.9, 1.0, -0.5)]
 )
 def test_frequencies_are_those_of_the_quadrature(free: Free) -> None:
-    """Exact solutions: to the reported error, and to nine digits less two of the quadrature."""
+    """Exact solutions: free oscillations have the frequency of the quadrature, within the error.
+
+    They agree to nine digits less two of the quadrature, too.
+    """
     starts = np.array([1.6, 2.0, 2.8])
     ds = rm.backbone(free.actuator, starts, m=free.m)
     exact = np.array([free.frequency(float(x)) for x in starts])

@@ -126,9 +126,10 @@ def independent_orbit(
 
 
 def test_rest_and_small_oscillations_are_closed_forms() -> None:
-    """P(l) = 2/l - 2/l^7 - 2 V^2 l; omega^2 = 2 + 10/l^6 - 2 P l - 6 V^2 l^2, within errors.
+    """A balloon rests at P = 2/l - 2/l^7 - 2 V^2 l, omega^2 = 2 + 10/l^6 - 2 P l - 6 V^2 l^2.
 
-    Stable where omega^2 > 0: on the rising part of P(l), in all pairs of stretch and voltage.
+    Both within errors.  Stable where omega^2 > 0: on the rising part of P(l), in all pairs of
+    stretch and voltage.
     """
     rng = np.random.default_rng(1)
     stretch, voltage = rng.uniform(1.02, 1.6, 12), rng.uniform(0.0, 0.6, 12)
@@ -154,9 +155,10 @@ def test_rest_and_small_oscillations_are_closed_forms() -> None:
 
 @pytest.mark.parametrize("stretch", [4.0 ** (1.0 / 6.0), 1.3, 1.34, 7.0 ** (1.0 / 6.0)])
 def test_nothing_holds_beyond_the_largest_pressure_and_the_pull_in_voltage(stretch: float) -> None:
-    """Rest is lost at V^2 = 7/l^8 - 1/l^2, P = 4/l - 16/l^7: two equilibria below, none above.
+    """A balloon loses its rest at V^2 = 7/l^8 - 1/l^2, P = 4/l - 16/l^7.
 
-    From P = 0, V = 0.6874 at l = 4^(1/6) to V = 0, P = 1.2394 at l = 7^(1/6).
+    Two equilibria below, none above.  From P = 0, V = 0.6874 at l = 4^(1/6) to V = 0,
+    P = 1.2394 at l = 7^(1/6).
     """
     voltage = max(7.0 / stretch**8 - 1.0 / stretch**2, 0.0) ** 0.5
     pressure = 4.0 / stretch - 16.0 / stretch**7
@@ -174,9 +176,10 @@ def test_nothing_holds_beyond_the_largest_pressure_and_the_pull_in_voltage(stret
 
 
 def test_a_step_of_pressure_bursts_the_balloon_below_the_largest_that_it_holds() -> None:
-    """At rest under P at once, it goes over the unstable equilibrium if P > P_step = 1.1121.
+    """A pressure P that comes at once bursts a balloon beyond 1.1121, a slow one beyond 1.2394.
 
-    P_step is the largest value of 3 (l^2 + l^-4/2 - 3/2)/(l^3 - 1), where the energy suffices.
+    It goes over the unstable equilibrium if P > P_step, the largest value of
+    3 (l^2 + l^-4/2 - 3/2)/(l^3 - 1), where the energy suffices.
     """
     top = minimize_scalar(
         lambda x: 3.0 * (1.5 - x**2 - x**-4 / 2.0) / (x**3 - 1.0), bounds=(1.5, 2.0),
@@ -191,7 +194,10 @@ def test_a_step_of_pressure_bursts_the_balloon_below_the_largest_that_it_holds()
 
 
 def test_free_oscillations_keep_their_energy_and_have_the_frequency_of_a_quadrature() -> None:
-    """The energy is that by hand and constant; pi/omega is an integral between turning points."""
+    """Free oscillations of a balloon keep their energy and have the frequency of a quadrature.
+
+    The energy is that by hand and constant; pi/omega is an integral between turning points.
+    """
     start = np.array([1.15, 1.4, 1.8, 2.1])
     motion = rm.simulate(FREE, rm.Constant(VOLTAGE), duration=60.0, over={"initial.stretch": start})
     energy = motion.stretch_rate**2 / 2.0 + potential(motion.stretch, 0.5, VOLTAGE)
@@ -220,7 +226,10 @@ def test_free_oscillations_keep_their_energy_and_have_the_frequency_of_a_quadrat
 
 @pytest.mark.parametrize(("share", "ratio"), [(0.25, 0.49), (0.05, 0.97), (0.6, 1.95)])
 def test_forced_motion_is_that_of_dop853(share: float, ratio: float) -> None:
-    """Fifteen drive periods from the state of rest without load, within both errors."""
+    """The forced motion of a balloon is that of DOP853 over fifteen periods, within both errors.
+
+    It starts from the state of rest without load.
+    """
     load = drive(share, ratio)
     count = np.linspace(0.0, 15.0, 61)
     motion = rm.simulate(BALLOON, load, times=count * period_of(ratio), tolerance=1e-10)
@@ -237,7 +246,10 @@ def test_forced_motion_is_that_of_dop853(share: float, ratio: float) -> None:
 
 
 def test_small_forced_oscillations_have_the_amplitude_of_the_linear_balloon() -> None:
-    """4 a V^2 l^3/sqrt((omega_0^2 - omega^2)^2 + c^2 omega^2), up to the square of a."""
+    """A balloon under a voltage that varies a little has the amplitude of the linear equation.
+
+    4 a V^2 l^3/sqrt((omega_0^2 - omega^2)^2 + c^2 omega^2), up to the square of a.
+    """
     ratios, shares = (0.7, 1.0, 1.3), (1e-3, 5e-4)
     for ratio in ratios:
         omega = ratio * OMEGA_0
@@ -256,9 +268,9 @@ def test_small_forced_oscillations_have_the_amplitude_of_the_linear_balloon() ->
 
 
 def test_orbits_of_both_branches_are_those_of_dop853() -> None:
-    """At 0.92 omega_0 two stable orbits and the saddle between, with their multipliers.
+    """At 0.92 omega_0 a balloon has two stable orbits and a saddle, those of DOP853.
 
-    The product of the multipliers is exp(-c T).
+    The multipliers, too; their product is exp(-c T).
     """
     load = drive(0.06, 0.92)
     box = {"stretch": (0.8, 1.6), "stretch_rate": (-1.0, 1.0)}
@@ -279,9 +291,10 @@ def test_orbits_of_both_branches_are_those_of_dop853() -> None:
 
 
 def test_jumps_of_slow_sweeps_are_at_the_folds() -> None:
-    """A sweep by DOP853 keeps its branch short of the fold and has left it just beyond.
+    """Slow sweeps of a balloon by DOP853 jump at the folds.
 
-    At the folds the independent map has the multiplier 1.
+    A sweep keeps its branch short of the fold and has left it just beyond.  At the folds the
+    independent map has the multiplier 1.
     """
     branch = rm.continue_orbit(
         BALLOON, drive(0.06, 1.05), "omega", (0.8 * OMEGA_0, 1.05 * OMEGA_0),
@@ -318,8 +331,9 @@ def orbit_near(branch: xr.Dataset, ratio: float, lower: int) -> list[float]:
 
 
 def test_the_subharmonic_starts_at_two_doublings_near_twice_the_natural_frequency() -> None:
-    """There the independent map has the multiplier -1; the doubled orbits return after two periods.
+    """The subharmonic of a balloon starts at two doublings near twice its natural frequency.
 
+    There the independent map has the multiplier -1; the doubled orbits return after two periods.
     One branch is stable, the other is not; both bend to lower frequencies, as a soft balloon's do.
     """
     balloon = BALLOON.replace(parameters={"damping": 0.02})
@@ -352,7 +366,10 @@ def test_the_subharmonic_starts_at_two_doublings_near_twice_the_natural_frequenc
 
 
 def test_the_superharmonic_answers_at_twice_the_frequency_of_the_voltage() -> None:
-    """Near half the natural frequency a small orbit, and a large one that moves twice a period."""
+    """Near half its natural frequency a balloon answers at twice the frequency of the voltage.
+
+    There are a small orbit, and a large one that moves twice a period.
+    """
     balloon = BALLOON.replace(parameters={"damping": 0.02})
     branch = rm.continue_orbit(
         balloon, drive(0.17, 0.55), "omega", (0.44 * OMEGA_0, 0.55 * OMEGA_0),

@@ -136,7 +136,10 @@ def period_by_quadrature(c: float, theta: float, S: float, m: float) -> float:
 def test_orbit_under_constant_load_closes_after_the_quadratures_period(
     c: float, theta: float, S: float, m: float
 ) -> None:
-    """From rest at lambda = 1 the state returns after the period (law: Exact solutions)."""
+    """From rest under a constant load the state returns after the period of the quadrature.
+
+    The stretch at rest is 1 (law: Exact solutions).
+    """
     period = period_by_quadrature(c, theta, S, m)
     times = np.array([0.0, 0.5 * period, period, 10.0 * period])
     ds = rm.simulate(

@@ -90,7 +90,9 @@ ORBITS = [
 
 @pytest.mark.parametrize("orbit", ORBITS)
 def test_orbits_under_constant_loads_are_those_of_the_quadrature(orbit: Orbit) -> None:
-    """At any time of ten periods, the true error <= the reported one <= the tolerance.
+    """Orbits under constant loads are those of the quadrature, within error and tolerance.
+
+    At any time of ten periods, the true error <= the reported one <= the tolerance.
 
     Law: Exact solutions.
     """
@@ -110,7 +112,7 @@ def test_orbits_under_constant_loads_are_those_of_the_quadrature(orbit: Orbit) -
 
 
 def test_the_quadrature_knows_small_oscillations() -> None:
-    """Exact solutions: near equilibrium the period is 2 pi sqrt((1 + 2 c)/(18 theta))."""
+    """Exact solutions: small oscillations have the period 2 pi sqrt((1 + 2 c)/(18 theta))."""
     with mpmath.workdps(DIGITS):
         orbit = Orbit(0.2, 1.3, 1e-6, 0.0)
         period = float(2 * orbit.until(mpmath.pi / 2))

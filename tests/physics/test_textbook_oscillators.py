@@ -31,9 +31,10 @@ FREE = rm.Constant(0.0)
 
 
 def test_the_backbone_of_the_single_well() -> None:
-    """x'' + x + x^3 = 0 from rest at A: omega = pi sqrt(1 + A^2)/(2 K(m)), m = A^2/(2 (1 + A^2)).
+    """Duffing's x'' + x + x^3 = 0 has the frequencies of Jacobi's elliptic function cn.
 
-    The solution is Jacobi's A cn; m is the parameter of the complete elliptic integral.
+    From rest at A the solution is A cn, omega = pi sqrt(1 + A^2)/(2 K(m)), where
+    m = A^2/(2 (1 + A^2)) is the parameter of the complete elliptic integral.
     """
     start = np.array([0.1, 0.5, 1.0, 3.0, 10.0])
     found = rm.backbone(SINGLE_WELL, start)
@@ -85,9 +86,9 @@ def limit_cycle(mu: float) -> tuple[float, float, float, float]:
 
 @pytest.mark.parametrize("mu", [0.2, 0.1])
 def test_the_weak_limit_cycle_of_van_der_pol(mu: float) -> None:
-    """T = 2 pi/(1 - mu^2/16 + 17 mu^4/3072 + O(mu^6)), A = 2 + mu^2/96 + O(mu^4).
+    """Van der Pol's weak cycle has T = 2 pi/(1 - mu^2/16 + 17 mu^4/3072) and A = 2 + mu^2/96.
 
-    The series of Poincare and Lindstedt.
+    The series of Poincare and Lindstedt, up to O(mu^6) in the denominator and O(mu^4).
     """
     period, period_error, amplitude, amplitude_error = limit_cycle(mu)
     series = 2.0 * np.pi / (1.0 - mu**2 / 16.0 + 17.0 * mu**4 / 3072.0)
@@ -98,9 +99,10 @@ def test_the_weak_limit_cycle_of_van_der_pol(mu: float) -> None:
 
 @pytest.mark.parametrize("mu", [5.0, 10.0, 20.0])
 def test_the_relaxation_oscillation_of_van_der_pol(mu: float) -> None:
-    """T = (3 - 2 ln 2) mu + 3 a mu^(-1/3) - 2/3 ln mu/mu + O(1/mu), with -a the first zero of Ai.
+    """Van der Pol's relaxation oscillation has the period and amplitude of Dorodnitsyn's series.
 
-    A = 2 + a/3 mu^(-4/3) - 16/27 ln mu/mu^2 + O(1/mu^2): the series of Dorodnitsyn, corrected.
+    T = (3 - 2 ln 2) mu + 3 a mu^(-1/3) - 2/3 ln mu/mu + O(1/mu), with -a the first zero of Ai, and
+    A = 2 + a/3 mu^(-4/3) - 16/27 ln mu/mu^2 + O(1/mu^2): the series, corrected.
     """
     period, period_error, amplitude, amplitude_error = limit_cycle(mu)
     zero = -float(ai_zeros(1)[0][0])
@@ -113,7 +115,10 @@ def test_the_relaxation_oscillation_of_van_der_pol(mu: float) -> None:
 
 
 def test_the_limit_cycle_between_both_limits() -> None:
-    """By SciPy's DOP853, which finds where the rate vanishes on its own interpolant."""
+    """Van der Pol's cycle between both limits is that of SciPy's DOP853.
+
+    It finds where the rate vanishes on its own interpolant.
+    """
     period, period_error, amplitude, amplitude_error = limit_cycle(1.0)
 
     def rates(_: float, y: FloatArray) -> list[float]:
@@ -134,9 +139,10 @@ def test_the_limit_cycle_between_both_limits() -> None:
 
 
 def test_normal_modes_and_beats_of_coupled_oscillators() -> None:
-    """Frequencies 1 and w = sqrt(1 + 2 k); from (1, 0) at rest the energy goes to and fro.
+    """Two coupled oscillators have the frequencies 1 and w = sqrt(1 + 2 k), and beat.
 
-    x = cos((w + 1) t/2) cos((w - 1) t/2), y = sin((w + 1) t/2) sin((w - 1) t/2).
+    From (1, 0) at rest the energy goes to and fro: x = cos((w + 1) t/2) cos((w - 1) t/2),
+    y = sin((w + 1) t/2) sin((w - 1) t/2).
     """
     slow, fast = 1.0, np.sqrt(1.2)
     box = {"x": (-1.0, 1.0), "y": (-1.0, 1.0)}

@@ -37,7 +37,7 @@ HENON_HEILES = rm.LagrangianSystem(
 
 
 def test_the_backbone_of_the_pendulum() -> None:
-    """omega = pi/(2 K(sin(theta_0/2))), the complete elliptic integral, within the error."""
+    """A pendulum swings at omega = pi/(2 K(sin(theta_0/2))), K the complete elliptic integral."""
     start = np.array([0.1, 1.0, 2.0, 3.0, 3.1])
     found = rm.backbone(PENDULUM, start)
     exact = np.pi / 2.0 / ellipk(np.sin(start / 2.0) ** 2)
@@ -50,7 +50,7 @@ def test_the_backbone_of_the_pendulum() -> None:
     [(mathieu_a, 0, 2.0), (mathieu_b, 1, -2.0), (mathieu_a, 1, -2.0), (mathieu_b, 2, 2.0)],
 )
 def test_the_tongues_of_mathieu(characteristic: object, order: int, trace: float) -> None:
-    """x'' + (a - 2 q cos 2t) x = 0 has the trace 2 or -2 at a_n(q) and b_n(q), within errors.
+    """Mathieu's x'' + (a - 2 q cos 2t) x = 0 has the trace 2 or -2 at a_n(q) and b_n(q).
 
     Inside a tongue the trace is beyond it, outside within: both sides are looked at.
     """
@@ -74,9 +74,10 @@ def test_the_tongues_of_mathieu(characteristic: object, order: int, trace: float
 
 @pytest.mark.slow
 def test_the_exponents_of_lorenz_and_roessler() -> None:
-    """0.9056, 0, -14.572 and 0.0714, 0, -5.3943 (J. C. Sprott, Chaos and Time-Series Analysis).
+    """Lorenz's equations have exponents 0.9056, 0, -14.572; Roessler's 0.0714, 0, -5.3943.
 
-    The sums are the divergence of Lorenz, -41/3, and lie within the sums of errors.
+    These are J. C. Sprott's, Chaos and Time-Series Analysis.  The sums are the divergence of
+    Lorenz, -41/3, and lie within the sums of errors.
     """
     for system, duration, known in (
         (LORENZ, 2000.0, (0.9056, 0.0, -14.572)),
@@ -89,7 +90,10 @@ def test_the_exponents_of_lorenz_and_roessler() -> None:
 
 
 def test_the_attractor_of_ueda() -> None:
-    """Exponents 0.1034 and -0.1534 (Sprott) of x'' + 0.05 x' + x^3 = 7.5 cos t; the sum is -k."""
+    """Ueda's x'' + 0.05 x' + x^3 = 7.5 cos t has the exponents 0.1034 and -0.1534.
+
+    These are Sprott's; the sum is -k.
+    """
     found = rm.lyapunov(
         UEDA, rm.Sine(7.5, 1.0, phase=np.pi / 2.0), periods=1000, count=2, initial=(2.5, 0.0)
     )
@@ -99,7 +103,7 @@ def test_the_attractor_of_ueda() -> None:
 
 
 def test_islands_and_sea_of_henon_and_heiles() -> None:
-    """At E = 1/8 a start in an island has no growth, one in the sea 0.04 to 0.07.
+    """Islands of Henon and Heiles at E = 1/8 have no growth, the sea has 0.04 to 0.07.
 
     The energy is kept, and points of the section x = 0 have x' > 0.
     """
@@ -121,7 +125,10 @@ def test_islands_and_sea_of_henon_and_heiles() -> None:
 
 
 def test_equilibria_of_lorenz() -> None:
-    """The origin and (+-sqrt(beta (rho - 1)), same, rho - 1), all unstable at rho = 28."""
+    """Lorenz's equations rest at 0 and (+-sqrt(beta (rho - 1)), same, rho - 1).
+
+    All are unstable at rho = 28.
+    """
     box = {"x": (-20.0, 20.0), "y": (-20.0, 20.0), "z": (-1.0, 50.0)}
     found = rm.equilibria(LORENZ, state_box=box)
     place = np.sqrt(8.0 / 3.0 * 27.0)
@@ -135,7 +142,7 @@ def test_equilibria_of_lorenz() -> None:
 
 @pytest.mark.parametrize("rho", [0.5, 13.0])
 def test_stable_equilibria_of_lorenz(rho: float) -> None:
-    """Below rho = 1 the origin is stable, between 1 and 24.74 the other two are."""
+    """Of Lorenz's equilibria the origin is stable below rho = 1, the others from 1 to 24.74."""
     box = {"x": (-20.0, 20.0), "y": (-20.0, 20.0), "z": (-5.0, 50.0)}
     found = rm.equilibria(LORENZ.replace(parameters={"rho": rho}), state_box=box)
     expected = ["stable"] if rho < 1.0 else ["stable", "unstable", "stable"]
@@ -143,9 +150,10 @@ def test_stable_equilibria_of_lorenz(rho: float) -> None:
 
 
 def test_the_balloon_has_its_largest_pressure_where_it_is_known() -> None:
-    """P = 2/l - 2/l^7 is largest at l = 7^(1/6), 1.2394; beyond it nothing holds.
+    """The pressure in a balloon, 2/l - 2/l^7, is largest at l = 7^(1/6), where it is 1.2394.
 
-    The frequency of small oscillations is 2 + 10/l^6 - 2 P l - 6 V^2 l^2, squared.
+    Beyond it nothing holds.  The frequency of small oscillations is 2 + 10/l^6 - 2 P l -
+    6 V^2 l^2, squared.
     """
     balloon = rm.LagrangianSystem(
         coordinates="stretch",

@@ -192,7 +192,7 @@ OUTSIDE = {
 }
 
 
-#: Words of Python, MATLAB and their packages that the tutorial explains.
+#: Words of Python, MATLAB and their packages that the tutorials explain.
 LANGUAGES = {
     *("import", "print", "py", "python", "nan", "end", "try", "except", "catch", "struct"),
     *("dictionary", "plt", "np", "linspace", "plot", "saveas", "savefig", "xlabel", "legend"),
@@ -204,7 +204,7 @@ def own_text_of(page: Path) -> str:
     """A page without what it prints, and without the words of other tools in its tables."""
     text = page.read_text("utf-8")
     text = re.sub(r"^```output\n.*?^```$", "", text, flags=re.MULTILINE | re.DOTALL)
-    if page.name == "tutorial.md":
+    if page.name.startswith("tutorial"):
         return re.sub(r"^\|.*", "", text, flags=re.MULTILINE)
     is_about_others = page.name.startswith("coming-from-")
     return re.sub(r"^\|[^|]*", "", text, flags=re.MULTILINE) if is_about_others else text
@@ -229,7 +229,8 @@ def test_words_in_backticks_are_names() -> None:
             names |= set(inspect.signature(value).parameters)
     guides = [
         *(DOCS / "how-to").glob("*.md"),
-        *(DOCS / f"{name}.md" for name in ("tutorial", "getting-started", "model")),
+        *DOCS.glob("tutorial*.md"),
+        *(DOCS / f"{name}.md" for name in ("getting-started", "model")),
     ]
     code = "\n".join(text for page in guides for text in blocks_of(page, "python"))
     words = {word for page in guides for word in re.findall(r"`([a-z_]+)`", own_text_of(page))}

@@ -62,6 +62,13 @@ def test_every_public_name_is_documented_once(filled: dict[str, str]) -> None:
     assert set(re.findall(r"`~remanent\.(\w+)`", filled["reference"])) == public
 
 
+def test_summaries_are_words(filled: dict[str, str]) -> None:
+    """Formulas are mathematics, below the summary; the table of names has none."""
+    summaries = re.findall(r"^\| \{py:obj\}`~remanent\.\w+` \| (.*) \|$", filled["reference"], re.M)
+    assert len(summaries) > 50
+    assert not [text for text in summaries if re.search(r"\^| = |\w\\?\[", text)]
+
+
 def test_every_variable_is_listed_once(filled: dict[str, str]) -> None:
     """Each row of the table of variables, with its meaning."""
     table = filled["variables"].partition("## The table")[2]
@@ -111,3 +118,14 @@ def test_the_command_is_that_of_the_package(filled: dict[str, str]) -> None:
     """The page is made from the group of all commands."""
     assert ".. click:: remanent.cli.main:commands" in filled["command"]
     assert {"run", "verify", "show", "explore", "export", "new", "paper"} <= set(commands.commands)
+
+
+def test_every_argument_of_a_command_is_described() -> None:
+    """The page and `--help` say of each argument and option what it is, in a sentence."""
+    described = {
+        (name, parameter.name): getattr(parameter, "help", None) or ""
+        for name, command in commands.commands.items()
+        for parameter in command.params
+    }
+    assert ("explore", "source") in described
+    assert {place for place, text in described.items() if not text.endswith(".")} == set()

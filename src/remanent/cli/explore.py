@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final
 import click
 
 from remanent._extras import require_extra
+from remanent.cli.arguments import DescribedArgument
 
 if TYPE_CHECKING:
     from remanent.web.explorer import Opened
@@ -19,7 +20,11 @@ _PORT: Final = 8766
 
 
 @click.command()
-@click.argument("source", required=False, type=click.Path(exists=True, path_type=Path))
+@click.argument(
+    "source", cls=DescribedArgument, required=False, type=click.Path(exists=True, path_type=Path),
+    help="A study file, whose system and drive the page shows, or the store of a study; without it "
+    "the page begins with an example.",
+)  # fmt: skip
 @click.option(
     "--port", type=click.IntRange(0, 65535), default=_PORT, show_default=True,
     help="The port of the page on this machine; 0 for any that is free.",
@@ -36,8 +41,7 @@ _PORT: Final = 8766
 def explore(source: Path | None, port: int, no_browser: bool, host: str, save: Path | None) -> None:
     """Open a page with sliders in the browser.
 
-    SOURCE is a study file, whose system and drive it shows, or the store of a study.  Without it
-    the page begins with an example.  Ctrl-C ends it.
+    Ctrl-C ends it.
     """
     require_extra("web", "the explorer")
     from remanent.web.opening import open_source

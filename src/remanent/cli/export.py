@@ -8,10 +8,14 @@ from pathlib import Path
 import click
 
 from remanent._errors import InputError
+from remanent.cli.arguments import DescribedArgument
 
 
 @click.command()
-@click.argument("study", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+@click.argument(
+    "study", cls=DescribedArgument, type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    help="The study file, whose system and drive are written.",
+)  # fmt: skip
 @click.option(
     "--to", "language", required=True, metavar="LANGUAGE",
     help="One of matlab, python, julia, auto07p, c, javascript.",
@@ -25,7 +29,7 @@ from remanent._errors import InputError
 def export(study: Path, language: str, out: Path | None) -> None:
     """Write the equations of motion for another tool.
 
-    STUDY is a study file, whose system and drive are written.  No file is replaced.
+    No file is replaced.
     """
     from remanent.studies.export.export import export as export_equations
     from remanent.studies.sweep.study_file import read_study

@@ -9,6 +9,7 @@ from string import Template
 import click
 
 from remanent._errors import InputError
+from remanent.cli.arguments import DescribedArgument
 
 #: Studies to start from, files in the folder of examples.
 EXAMPLES = ("chart", "atlas")
@@ -21,17 +22,17 @@ def text_of_example(example: str, name: str) -> str:
 
 
 @click.command()
-@click.argument("name", default="study")
+@click.argument(
+    "name", cls=DescribedArgument, default="study",
+    help="The file is called NAME.toml, or study.toml where no name is given.",
+)  # fmt: skip
 @click.option(
     "--example", type=click.Choice(EXAMPLES), default=EXAMPLES[0], show_default=True,
     help="What to begin with: a small chart of regimes, or one for all temperatures, loads and "
     "frequencies.",
 )  # fmt: skip
 def new(name: str, example: str) -> None:
-    """Write a commented study file to start from.
-
-    It is called NAME.toml, or study.toml where no NAME is given.
-    """
+    """Write a commented study file to start from."""
     path = Path(name if name.endswith(".toml") else f"{name}.toml")
     if not path.stem.isprintable() or set('"\\') & set(path.stem):
         raise InputError(

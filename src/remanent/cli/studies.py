@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from remanent.cli.arguments import DescribedArgument
+
 if TYPE_CHECKING:
     from remanent.studies.sweep.run import Progress, ReportProgress
 
@@ -39,7 +41,10 @@ class Share(click.ParamType[tuple[int, int]]):
 
 
 @click.command()
-@click.argument("study", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+@click.argument(
+    "study", cls=DescribedArgument, type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    help="The study file.",
+)  # fmt: skip
 @click.option(
     "--out",
     type=click.Path(path_type=Path),
@@ -186,7 +191,10 @@ def _rate(state: Progress, before: str = "") -> str:
 
 
 @click.command()
-@click.argument("store", type=click.Path(exists=True, file_okay=False, path_type=Path))
+@click.argument(
+    "store", cls=DescribedArgument, type=click.Path(exists=True, file_okay=False, path_type=Path),
+    help="The folder with the results of a study.",
+)  # fmt: skip
 @click.option("--repair", is_flag=True, help="Compute again what is damaged or missing.")
 def verify(store: Path, repair: bool) -> None:
     """Read a whole store, and say what is damaged or missing.
@@ -208,7 +216,10 @@ def verify(store: Path, repair: bool) -> None:
 
 
 @click.command()
-@click.argument("store", type=click.Path(exists=True, file_okay=False, path_type=Path))
+@click.argument(
+    "store", cls=DescribedArgument, type=click.Path(exists=True, file_okay=False, path_type=Path),
+    help="The folder with the results of a study.",
+)  # fmt: skip
 @click.option(
     "--out",
     type=click.Path(dir_okay=False, path_type=Path),

@@ -61,9 +61,10 @@ class Equations:
     def __str__(self) -> str:
         """The equations in a terminal, broken into lines of at most 100 characters."""
         rows = (*self.second_order, *self.first_order, *self.definitions)
+        sides = ((_without_marks(row.lhs), _without_marks(row.rhs)) for row in rows)
         return "\n\n".join(
-            fill(f"{row.lhs} = {row.rhs}", _TERMINAL_WIDTH, subsequent_indent="    ")
-            for row in rows
+            fill(f"{left} = {right}", _TERMINAL_WIDTH, subsequent_indent="    ")
+            for left, right in sides
         )
 
     def _repr_latex_(self) -> str:
@@ -198,6 +199,11 @@ def _expand_sum(expression: Expression) -> Expression:
     placeholders = {part: sp.Dummy(real=True) for part in expression.atoms(Unexpanded)}
     expanded = sp.expand(expression.xreplace(placeholders))
     return expanded.xreplace({dummy: part for part, dummy in placeholders.items()})
+
+
+def _without_marks(expression: Expression) -> Expression:
+    """`expression` with its unexpanded parts in parentheses alone."""
+    return expression.xreplace({part: part.args[0] for part in expression.atoms(Unexpanded)})
 
 
 def time_derivative_symbol(symbol: Symbol) -> Symbol:

@@ -103,9 +103,10 @@ class Dissipation(Part):
 
 @dataclass(frozen=True)
 class Rayleigh(Dissipation):
-    """A linear dashpot on stretch: D = eta (l1'^2 + l2'^2)/2 per 8 H L^2 mu.
+    r"""A linear dashpot on the stretches.
 
-    For equal stretches the term eta l' joins the bracket of [Thermal, eq. 16].
+    :math:`D = \eta (\lambda_1'^2 + \lambda_2'^2)/2` per :math:`8 H L^2 \mu`.  For equal
+    stretches the term :math:`\eta \lambda'` joins the bracket of [Thermal, eq. 16].
 
     Parameters
     ----------
@@ -153,11 +154,13 @@ class Rayleigh(Dissipation):
 
 @dataclass(frozen=True)
 class KelvinVoigt(Dissipation):
-    """A Newtonian fluid in parallel: D = eta (e1^2 + e2^2 + (e1 + e2)^2), ei = li'/li.
+    r"""A Newtonian fluid in parallel.
 
-    The third rate is that of the thickness, e3 = -(e1 + e2), so D = eta (e:e), half the
-    power that the Newtonian stress 2 eta e dissipates.  For equal stretches D is 6 eta
-    (l'/l)^2: near l = 1 a :class:`Rayleigh` dashpot of six times this eta.
+    :math:`D = \eta [e_1^2 + e_2^2 + (e_1 + e_2)^2]` with :math:`e_i = \lambda_i'/\lambda_i`.
+    The third rate is that of the thickness, :math:`e_3 = -(e_1 + e_2)`, so that :math:`D` is half
+    the power that the Newtonian stress :math:`2 \eta e` dissipates.  For equal stretches it is
+    :math:`6 \eta (\lambda'/\lambda)^2`: near :math:`\lambda = 1` a :class:`Rayleigh` dashpot of
+    six times this viscosity.
 
     Parameters
     ----------
@@ -210,22 +213,23 @@ class KelvinVoigt(Dissipation):
 
 @dataclass(frozen=True)
 class Zener(Dissipation):
-    """A spring in series with a dashpot; several of them are a Prony series.
+    r"""A spring in series with a dashpot; several of them are a Prony series.
 
-    The state gains the viscous stretches xi, in-plane, whose product with the third is 1.
-    Equations, with q_i = (l_i/xi_i)^2, q3 = (l3 xi1 xi2)^2 and theta = T/T0:
-    energy theta (mu_v/mu) (q1 + q2 + q3 - 3)/2,
-    xi_i'/xi_i = theta/(2 t_r) [q_i - (q1 + q2 + q3)/3].
-    For equal stretches xi'/xi = theta/(6 t_r) (l^2 xi^-2 - l^-4 xi^4).
+    The state gains the viscous stretches :math:`\xi`, in-plane, whose product with the third is
+    1.  With :math:`q_i = (\lambda_i/\xi_i)^2`, :math:`q_3 = (\lambda_3 \xi_1 \xi_2)^2` and
+    :math:`\theta = T/T_0` the energy is :math:`\theta (\mu_v/\mu) (q_1 + q_2 + q_3 - 3)/2`, and
+    :math:`\xi_i'/\xi_i = \theta [q_i - (q_1 + q_2 + q_3)/3]/(2 t_r)`.  For equal stretches
+    :math:`\xi'/\xi = \theta (\lambda^2 \xi^{-2} - \lambda^{-4} \xi^4)/(6 t_r)`.
 
     Parameters
     ----------
     modulus : float
-        mu_v/mu, shear modulus of the spring at T0 over that of the elastic solid.
+        :math:`\mu_v/\mu`, shear modulus of the spring at :math:`T_0` over that of the elastic
+        solid.
     relaxation_time : float
-        t_r = eta/mu_v in units of tau.  For t_r to infinity the element is a spring in
-        parallel; for t_r to 0 it vanishes, to first order in t_r, and the equations
-        become stiff: steps are then as short as t_r.
+        :math:`t_r = \eta/\mu_v` in units of tau.  Where it goes to infinity, the element is a
+        spring in parallel; where it goes to 0, it vanishes, to first order in :math:`t_r`, and
+        the equations become stiff: steps are then as short as :math:`t_r`.
     shift : WLF or Arrhenius, optional
         How the relaxation time depends on temperature, :class:`WLF` or
         :class:`Arrhenius`.

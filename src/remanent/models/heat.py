@@ -14,22 +14,23 @@ from remanent.models.parts import Part
 
 @dataclass(frozen=True)
 class Heat(Part):
-    """A heat balance: the temperature of the body becomes a state, ``body_temperature``.
+    r"""A heat balance: the temperature of the body becomes a state, ``body_temperature``.
 
-    Equation, with s = -dPsi/dT of the whole free energy, D the dissipated power:
-    T s' = D - rho c_p h (T - T_env), per reference volume, with h the `exchange`.  For the
-    entropic model and theta = T/T0 that is theta' = k [theta (W + psi_v)' + D] -
-    h (theta - theta_env), plus a term of the remanence where that depends on temperature.
-    T_env is the actuator's ``temperature``, from which the body starts too, unless `initial`
-    says otherwise.
+    :math:`T s' = D - \rho c_p h (T - T_\infty)` per reference volume, with
+    :math:`s = -\partial\Psi/\partial T` of the whole free energy, :math:`D` the dissipated power
+    and :math:`h` the `exchange`.  For the entropic model and :math:`\theta = T/T_0` that is
+    :math:`\theta' = k [\theta (W + \psi_v)' + D] - h (\theta -
+    \theta_\infty)`, plus a term of the remanence where that depends on temperature.
+    :math:`T_\infty` is the actuator's ``temperature``, from which the body starts too, unless
+    `initial` says otherwise.
 
     Parameters
     ----------
     coupling : float
-        k = mu/(rho c_p T0), about 2e-4 for elastomers; see :meth:`Actuator.coupling`.
-        The temperature follows the strain energy as ln(T/T_i) = k (W - W_i).
+        :math:`k = \mu/(\rho c_p T_0)`, about 2e-4 for elastomers; see :meth:`Actuator.coupling`.
+        The temperature follows the strain energy as :math:`\ln(T/T_i) = k (W - W_i)`.
     exchange : float
-        h, the rate, per unit of tau, at which the body takes on the temperature of its
+        :math:`h`, the rate, per unit of tau, at which the body takes on the temperature of its
         surroundings: 0 is adiabatic, infinity isothermal.
 
     Raises

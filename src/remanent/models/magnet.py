@@ -17,22 +17,22 @@ MAGNETISATION_LAWS = ("deformation-gradient", "rotation")
 
 @dataclass(frozen=True)
 class Magnet(Part):
-    """A magnetisation law and the remanence's dependence on temperature.
+    r"""A magnetisation law and the remanence's dependence on temperature.
 
     Parameters
     ----------
     temperature_coefficient : float
-        alpha in B_r(T) = B_r(T0) [1 + alpha (T - T0)], per kelvin; about -0.001 for
-        NdFeB.  Plain grades are rated to 80 degrees Celsius: at 400 K the linear law
+        :math:`\alpha` in :math:`B_r(T) = B_r(T_0) [1 + \alpha (T - T_0)]`, per kelvin; about
+        -0.001 for NdFeB.  Plain grades are rated to 80 degrees Celsius: at 400 K the linear law
         is used beyond its data.
     law : str
-        ``"deformation-gradient"``: the residual flux moves with the material, F B_r
-        (Zhao et al. 2019).  ``"rotation"``: it only rotates with it, R B_r, so that
-        a field along the magnetisation exerts no load at all.  Which holds at large
-        stretch is disputed (Danas and Reis 2024).
+        ``"deformation-gradient"``: the residual flux moves with the material,
+        :math:`F B_r` (Zhao et al. 2019).  ``"rotation"``: it only rotates with it,
+        :math:`R B_r`, so that a field along the magnetisation exerts no load at all.  Which holds
+        at large stretch is disputed (Danas and Reis 2024).
     demagnetisation : float, optional
-        B_r^2/(mu mu0), the strength of the field that the block makes in itself; 0.163 for
-        100 kPa and 143 mT.  By default, None, that field is left out of the equations.
+        :math:`B_r^2/(\mu \mu_0)`, the strength of the field that the block makes in itself;
+        0.163 for 100 kPa and 143 mT.  By default, None, that field is left out of the equations.
 
     Raises
     ------

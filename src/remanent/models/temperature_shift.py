@@ -38,17 +38,18 @@ class TemperatureShift(Part, ABC):
 
 @dataclass(frozen=True)
 class WLF(TemperatureShift):
-    """The law of Williams, Landel and Ferry: log10 a_T = -c1 (T - T0)/(c2 + T - T0).
+    r"""The law of Williams, Landel and Ferry.
 
-    It holds above the glass transition, up to some 100 K; temperatures from T0 - c2 down,
-    where it has a pole, are refused.
+    :math:`\log_{10} a_T = -c_1 (T - T_0)/(c_2 + T - T_0)`.  It holds above the glass transition,
+    up to some 100 K; temperatures from :math:`T_0 - c_2` down, where it has a pole, are refused.
 
     Parameters
     ----------
     c1, c2 : float
-        Constants for the actuator's reference temperature T0; c2 in kelvin.  The
+        Constants for the actuator's reference temperature :math:`T_0`; `c2` in kelvin.  The
         universal 17.44 and 51.6 K belong to the glass transition temperature.  Constants
-        c1, c2 for T1 become, for T0: c2' = c2 + T0 - T1 and c1' = c1 c2/c2'.
+        :math:`c_1, c_2` for :math:`T_1` become, for :math:`T_0`: :math:`c_2' = c_2 + T_0 - T_1`
+        and :math:`c_1' = c_1 c_2/c_2'`.
 
     Raises
     ------
@@ -102,12 +103,15 @@ class WLF(TemperatureShift):
 
 @dataclass(frozen=True)
 class Arrhenius(TemperatureShift):
-    """An activated process: ln a_T = A (1/T - 1/T0), A = activation energy over R.
+    r"""The law of Arrhenius, of an activated process.
+
+    :math:`\ln a_T = A (1/T - 1/T_0)` with the activation energy over the gas constant,
+    :math:`A = E/R`.
 
     Parameters
     ----------
     activation_temperature : float
-        A in kelvin; 1 kJ/mol is 120.27 K.
+        :math:`A` in kelvin; 1 kJ/mol is 120.27 K.
 
     Raises
     ------

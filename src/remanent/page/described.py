@@ -23,6 +23,8 @@ _FURTHER_OBSERVABLES: Final[Mapping[str, tuple[str, str]]] = {
 }
 #: The heading of the numbers in a docstring, and what begins an entry there.
 _HEADING: Final = re.compile(r"^Parameters\n-+\n(.*?)(?=^\w[\w ]*\n-+\n|\Z)", re.M | re.S)
+#: A formula in a docstring.
+_FORMULA: Final = re.compile(r":math:`([^`]+)`")
 _ENTRY: Final = re.compile(r"^(\w[\w, ]*?)(?: :.*)?\n((?:[ ]+.*\n?|\n)+)", re.M)
 
 
@@ -86,7 +88,7 @@ def described_number(
 
 def summary_of(cls: type) -> str:
     """The first sentence of what a class says of itself."""
-    return (getdoc(cls) or cls.__name__).partition("\n")[0]
+    return plain_text((getdoc(cls) or cls.__name__).partition("\n")[0])
 
 
 def field_help(cls: type, name: str) -> str:
@@ -107,6 +109,7 @@ def _field_helps(cls: type) -> dict[str, str]:
 
 
 def plain_text(text: str) -> str:
-    """A text of a docstring on one line, without its marks."""
-    words = re.sub(r":\w+:`~?(?:[\w.]*\.)?(\w+)`", r"\1", " ".join(text.split()))
+    """A text of a docstring on one line, without its marks; formulas without TeX's."""
+    words = _FORMULA.sub(lambda math: re.sub(r"[\\{}]", "", math[1]), " ".join(text.split()))
+    words = re.sub(r":\w+:`~?(?:[\w.]*\.)?(\w+)`", r"\1", words)
     return words.replace("``", "").replace("`", "")

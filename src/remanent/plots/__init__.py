@@ -16,23 +16,24 @@ from remanent.plots import peaks as _peaks
 from remanent.plots import steps as _steps
 from remanent.plots.checks import checked_picture as _checked
 
+# Pictures that need certain variables are told which functions return them.
 bars = _checked(_bars.bars)
 basins = _checked(_basins.basins)
-branch = _checked(_branches.branch)
+branch = _checked(_branches.branch, ("continue_orbit", "response_diagram"))
 curve = _checked(_curves.curve)
-energy_balance = _checked(_balances.energy_balance)
-equilibria = _checked(_equilibria.equilibria)
+energy_balance = _checked(_balances.energy_balance, ("energy_balance",))
+equilibria = _checked(_equilibria.equilibria, ("equilibria",))
 fit = _checked(_fits.fit)
-history = _checked(_motion.history)
-landscape = _checked(_energy.landscape)
+history = _checked(_motion.history, ("simulate",))
+landscape = _checked(_energy.landscape, ("equilibria",))
 map = _checked(_maps.map)
-multipliers = _checked(_branches.multipliers)
+multipliers = _checked(_branches.multipliers, ("continue_orbit", "response_diagram"))
 overview = _checked(_overview.overview)
-phase = _checked(_motion.phase)
-resonances = _checked(_peaks.resonances)
-response = _checked(_forced.response)
-section = _checked(_motion.section)
-step_response = _checked(_steps.step_response)
+phase = _checked(_motion.phase, ("simulate",))
+resonances = _checked(_peaks.resonances, ("resonances",))
+response = _checked(_forced.response, ("frequency_response",))
+section = _checked(_motion.section, ("poincare_section",))
+step_response = _checked(_steps.step_response, ("simulate",))
 
 __all__ = [
     "bars",

@@ -101,7 +101,8 @@ def bars(
                 must="be variables along `field` and at most one more dimension",
                 got=name,
                 why="There is a bar for each field.",
-                fix="Select values first, or name others.",
+                fix="Pass the result of rm.sensitivity or rm.uncertainty; select values first, or "
+                "name other variables.",
             )
     if sort:
         dataset = _sorted_by_size(dataset, names)

@@ -15,6 +15,7 @@ from remanent._arrays import is_quantity
 from remanent._calls import require_fitting_arguments
 from remanent._checks import require_flag, shortened_repr
 from remanent._errors import InputError, error_sentence
+from remanent.plots.ensemble import MissingVariablesError
 from remanent.results.checks import require_unstacked_dataset
 from remanent.results.provenance import observable_name
 from remanent.results.schema import is_described
@@ -39,7 +40,9 @@ _DRAWN_ARGUMENTS = frozenset({"variable", "x", "y", "quantity", "parameter"})
 _ARGUMENTS_OF_WORDS = {"map": frozenset({"variable"}), "curve": frozenset({"x"})}
 
 
-def checked_picture(draw: Callable[_Arguments, _Artists]) -> Callable[_Arguments, _Artists]:
+def checked_picture(
+    draw: Callable[_Arguments, _Artists], results_of: tuple[str, ...] = ()
+) -> Callable[_Arguments, _Artists]:
     """The picture, whose arguments are checked before anything is drawn.
 
     Parameters
@@ -47,6 +50,8 @@ def checked_picture(draw: Callable[_Arguments, _Artists]) -> Callable[_Arguments
     draw : callable
         A function of a `dataset`, names of variables, axes `ax`, flags, and further words that
         Matplotlib takes.
+    results_of : tuple of str
+        The public functions whose results it draws; empty where it draws any.
 
     Returns
     -------
@@ -60,19 +65,12 @@ def checked_picture(draw: Callable[_Arguments, _Artists]) -> Callable[_Arguments
     def picture(*args: _Arguments.args, **kwargs: _Arguments.kwargs) -> _Artists:
         require_fitting_arguments(draw, args, kwargs)
         given = signature.bind(*args, **kwargs).arguments
-        for name, value in given.items():
-            if name != words:
-                _require_kind(name, value, signature.parameters[name])
-        for name, value in given.items():
-            if isinstance(value, xr.Dataset):
-                _require_kinds_of_results(name, value)
-        _require_numbers(draw.__name__, given)
-        if draw.__name__ == "phase":
-            _require_same_dimensions(given)
-        _require_plain_words(given.get(words, {}))
+        _require_arguments(draw.__name__, signature, words, given)
         try:
             with np.errstate(all="ignore"):  # of results at infinity
                 return draw(*args, **kwargs)
+        except MissingVariablesError as error:
+            raise _other_result_error(error, results_of) from None
         except InputError:
             raise
         except _MATPLOTLIB_ERRORS as error:
@@ -81,6 +79,22 @@ def checked_picture(draw: Callable[_Arguments, _Artists]) -> Callable[_Arguments
             raise _unknown_words_error(given[words], draw.__name__, error) from error
 
     return picture
+
+
+def _require_arguments(
+    picture: str, signature: inspect.Signature, words: str, given: Mapping[str, Any]
+) -> None:
+    """Refuse arguments of which no picture can be made."""
+    for name, value in given.items():
+        if name != words:
+            _require_kind(name, value, signature.parameters[name])
+    for name, value in given.items():
+        if isinstance(value, xr.Dataset):
+            _require_kinds_of_results(name, value)
+    _require_numbers(picture, given)
+    if picture == "phase":
+        _require_same_dimensions(given)
+    _require_plain_words(given.get(words, {}))
 
 
 def _require_kind(name: str, value: object, parameter: inspect.Parameter) -> None:
@@ -222,6 +236,16 @@ def _require_axes(value: object) -> None:
             why="The picture is drawn in them.",
             fix="Pass what plt.subplots() returns second, or leave it out for a new figure.",
         )
+
+
+def _other_result_error(error: MissingVariablesError, results_of: tuple[str, ...]) -> InputError:
+    """Say whose result the picture draws."""
+    fix = error.fix
+    if results_of:
+        functions = " or ".join(f"rm.{name}" for name in results_of)
+        fix = f"Pass the result of {functions}."
+    fix = f"{fix.rstrip('.')}; rm.plot.overview draws what suits any result."
+    return InputError(error.name, must=error.must, got=error.got, why=error.why, fix=fix)
 
 
 def _unknown_words_error(words: Mapping[str, Any], title: str, error: Exception) -> InputError:

@@ -20,7 +20,9 @@ from remanent.results.provenance import (
     read_plain_model,
 )
 
-__all__ = ["ColourScale", "Member", "split_by_colour", "split_into_members"]
+__all__ = [
+    "ColourScale", "Member", "MissingVariablesError", "split_by_colour", "split_into_members",
+]  # fmt: skip
 
 #: Variables that say what became of a member; they are kept beside what is drawn.
 _EVIDENCE_VARIABLES: Final = ("status", "reason")
@@ -34,6 +36,10 @@ _ACTUATOR_KIND: Final = "Actuator"
 _MIN_ORDERED_COUNT: Final = 3
 #: Most members that differ in words: every pair of a colour and a line style once.
 _MAX_WORD_COUNT: Final = len(style.OKABE_ITO_COLOURS) * len(style.LINE_STYLES)
+
+
+class MissingVariablesError(InputError):
+    """A result does not have what is drawn; the picture, which knows whose it is, says more."""
 
 
 @dataclass(frozen=True)
@@ -221,13 +227,12 @@ class _ColourLook:
 def _select_variables(dataset: xr.Dataset, names: tuple[str, ...]) -> xr.Dataset:
     missing = [name for name in names if name not in dataset.variables]
     if missing:
-        raise InputError(
+        raise MissingVariablesError(
             "dataset",
             must=f"have the variables {', '.join(names)}",
             got=f"one without {', '.join(missing)}",
             why="They are what this plot draws.",
-            fix="Pass the result of a verb that returns them; rm.plot.overview draws what suits "
-            "any result.",
+            fix="Pass a result that has them.",
         )
     subset = dataset[[name for name in names if name not in dataset.dims]]
     evidence = [

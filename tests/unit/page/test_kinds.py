@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from typing import Any
 
 import numpy as np
@@ -42,6 +43,7 @@ def test_a_chosen_kind_can_be_shown(group: str, name: str) -> None:
     """Law: its table is read as a study file's, and its numbers are those of the model."""
     chosen = entry(group, name)
     assert chosen["text"]
+    assert not re.search(r"[`\\]", " ".join(f["help"] for f in chosen["fields"]) + chosen["text"])
     table = chosen["table"]
     if group == "drive":
         spec: dict[str, Any] = {"actuator": {}, "drive": table}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
@@ -22,6 +23,7 @@ from remanent import plots
 from remanent._errors import InputError
 from remanent.plots import footer, style
 from remanent.results.si import to_si
+from tests.contracts.sound_calls import SOUND
 from tests.unit.plots import synthetic
 
 Plot = Callable[..., Sequence[Artist]]
@@ -169,8 +171,30 @@ def _plain(dataset: xr.Dataset) -> list[str]:
 def test_a_missing_variable_is_named(kind: str) -> None:
     """A Dataset of another kind is refused."""
     draw, dataset = case(kind)
-    with pytest.raises(InputError, match="the result of a verb"):
+    with pytest.raises(InputError, match=r"rm\.plot\.overview draws"):
         draw(dataset[["prestress"]])
+
+
+#: Pictures that ask for the result of a function when they are given another one.
+ASKING = [
+    "energy_balance", "history", "landscape", "multipliers", "phase", "resonances", "response",
+    "section",
+]  # fmt: skip
+
+
+@pytest.mark.filterwarnings("ignore::remanent.InputWarning")
+@pytest.mark.parametrize("picture", ASKING)
+def test_results_of_the_function_that_is_asked_for_are_drawn(picture: str) -> None:
+    """The message names the functions; the picture draws what they return."""
+    draw = getattr(rm.plot, picture)
+    other = xr.Dataset({"omega": [1.0, 2.0], "special_omega": ("special", [1.0])})
+    with pytest.raises(InputError) as raised:
+        draw(other)
+    functions = re.findall(r"rm\.(\w+)", raised.value.fix.split(";")[0])
+    assert functions
+    for name in functions:
+        assert draw(getattr(rm, name)(**SOUND[name]()))
+        plt.close("all")
 
 
 @every_plot

@@ -189,9 +189,9 @@ class PiecewiseDrive(Drive):
 
 @dataclass(frozen=True)
 class Steps(PiecewiseDrive):
-    """A load that jumps: loads[i] holds from times[i] until times[i + 1].
+    """A load that jumps from one value to the next.
 
-    The last load is held for ever.
+    Each load holds from its time until the next; the last is held for ever.
 
     Parameters
     ----------
@@ -228,7 +228,7 @@ class Steps(PiecewiseDrive):
 
 @dataclass(frozen=True)
 class Ramp(PiecewiseDrive):
-    """A load that goes straight from loads[i] at times[i] to the next.
+    """A load that goes straight from one value to the next.
 
     The last load is held for ever.  For jumps use :class:`Steps`.
 

@@ -34,7 +34,9 @@ OMEGA_RULE = _checks.positive_rule(
 
 @dataclass(frozen=True)
 class Constant(Drive):
-    """A load that does not change, m(tau) = m.
+    r"""A load that does not change.
+
+    :math:`m(\tau) = m`.
 
     Parameters
     ----------
@@ -89,17 +91,18 @@ class Constant(Drive):
 
 @dataclass(frozen=True)
 class SineSquared(Drive):
-    """The load m(tau) = [b sin(omega tau + phase)]^2.
+    r"""A load that is the square of a sinusoidal flux.
 
-    The square of a sinusoidal flux, written b^2 in [Thermal, eq. 15]. With b = 0.4 it gives the
-    published resonances; the article does not state the law of its load.
+    :math:`m(\tau) = [b \sin(\omega \tau + \varphi)]^2`, written :math:`b^2` in [Thermal, eq. 15],
+    with the phase :math:`\varphi`.  With b = 0.4 it gives the published resonances; the article
+    does not state the law of its load.
 
     Parameters
     ----------
     b : float
         Square root of the largest load.
     omega : float
-        Angular frequency of the flux.  The load repeats every pi/omega.
+        Angular frequency of the flux.  The load repeats every :math:`\pi/\omega`.
     phase : float
         Angle of the flux at tau = 0, in radians.
 
@@ -166,14 +169,17 @@ class SineSquared(Drive):
 
 @dataclass(frozen=True)
 class Sine(Drive):
-    """A sinusoidal load, m(tau) = mean + m sin(omega tau + phase).
+    r"""A sinusoidal load with a mean.
+
+    :math:`m(\tau) = \bar m + m \sin(\omega \tau + \varphi)`, with the mean :math:`\bar m` and the
+    phase :math:`\varphi`.
 
     Parameters
     ----------
     m : float
         Amplitude of the load.
     omega : float
-        Angular frequency.  The load repeats every 2 pi/omega.
+        Angular frequency.  The load repeats every :math:`2 \pi/\omega`.
     mean : float
         Mean load.
     phase : float

@@ -34,7 +34,9 @@ _MODULUS_RULE = _checks.positive_rule(
 
 @dataclass(frozen=True)
 class NeoHookean(Material):
-    """The neo-Hookean solid, W/mu = (l1^2 + l2^2 + l3^2 - 3)/2 [Thermal, eq. 3].
+    r"""The neo-Hookean solid, whose energy is linear in the first invariant [Thermal, eq. 3].
+
+    :math:`W/\mu = (\lambda_1^2 + \lambda_2^2 + \lambda_3^2 - 3)/2`.
 
     Parameters
     ----------
@@ -74,16 +76,18 @@ class NeoHookean(Material):
 
 @dataclass(frozen=True)
 class Gent(Material):
-    """Gent's solid, whose chains have a limit: W/mu = -(J_m/2) ln[1 - (I1 - 3)/J_m].
+    r"""Gent's solid, whose chains have a limit.
 
-    I1 = l1^2 + l2^2 + l3^2 stays below J_m + 3; as J_m grows, the solid becomes
-    neo-Hookean.  An initial state beyond the limit is refused; steps that would cross it
-    are made shorter, or the motion ends there with a status.
+    :math:`W/\mu = -(J_m/2) \ln[1 - (I_1 - 3)/J_m]`.  The first invariant
+    :math:`I_1 = \lambda_1^2 + \lambda_2^2 + \lambda_3^2` stays below :math:`J_m + 3`; as
+    :math:`J_m` grows, the solid becomes neo-Hookean.  An initial state beyond the limit is
+    refused; steps that would cross it are made shorter, or the motion ends there with a status.
 
     Parameters
     ----------
     jm : float
-        Limiting value J_m of I1 - 3; about 30 to 100 for rubber, less for stiff tissue.
+        Limiting value :math:`J_m` of :math:`I_1 - 3`; about 30 to 100 for rubber, less for stiff
+        tissue.
     entropic_fraction : float
         Share of the modulus that is proportional to temperature.
 
@@ -141,10 +145,11 @@ class Gent(Material):
 
 @dataclass(frozen=True)
 class MooneyRivlin(Material):
-    """The solid of Mooney and Rivlin, W/mu = [c1 (I1 - 3) + c2 (I2 - 3)]/[2 (c1 + c2)].
+    r"""The solid of Mooney and Rivlin, linear in both invariants.
 
-    Only the ratio of the constants matters: the energy is divided by the shear modulus
-    2 (c1 + c2), so they may be given in pascal.  With c2 = 0 it is neo-Hookean.
+    :math:`W/\mu = [c_1 (I_1 - 3) + c_2 (I_2 - 3)]/[2 (c_1 + c_2)]`.  Only the ratio of the
+    constants matters: the energy is divided by the shear modulus :math:`2 (c_1 + c_2)`, so they
+    may be given in pascal.  With :math:`c_2 = 0` it is neo-Hookean.
 
     Parameters
     ----------
@@ -205,16 +210,17 @@ class MooneyRivlin(Material):
 
 @dataclass(frozen=True)
 class Ogden(Material):
-    """Ogden's solid, W = sum_i (mu_i/alpha_i)(l1^alpha_i + l2^alpha_i + l3^alpha_i - 3).
+    r"""Ogden's solid, a sum of powers of the stretches.
 
-    The energy is divided by the shear modulus sum_i mu_i alpha_i/2, so the moduli may be
-    given in pascal.  Moduli and exponents may be varied one by one: ``material.moduli.0``,
-    ``material.exponents.1`` ...
+    :math:`W = \sum_i (\mu_i/\alpha_i) (\lambda_1^{\alpha_i} + \lambda_2^{\alpha_i} +
+    \lambda_3^{\alpha_i} - 3)`, divided by the shear modulus :math:`\sum_i \mu_i \alpha_i/2`, so
+    that the moduli may be given in pascal.  Moduli and exponents may be varied one by one:
+    ``material.moduli.0``, ``material.exponents.1`` ...
 
     Parameters
     ----------
     moduli, exponents : sequence of float (term,)
-        mu_i and alpha_i, one of each per term; exponents are not zero.
+        :math:`\mu_i` and :math:`\alpha_i`, one of each per term; exponents are not zero.
     entropic_fraction : float
         Share of the modulus that is proportional to temperature.
 
@@ -307,18 +313,19 @@ _ARRUDA_BOYCE_COEFFICIENTS = ((1, 2), (1, 20), (11, 1050), (19, 7000), (519, 673
 
 @dataclass(frozen=True)
 class ArrudaBoyce(Material):
-    """The eight-chain solid of Arruda and Boyce, by its series of five terms.
+    r"""The eight-chain solid of Arruda and Boyce, by its series of five terms.
 
-    W = sum_i C_i L^(2 - 2 i) (I1^i - 3^i), i = 1 ... 5, with C = 1/2, 1/20, 11/1050, 19/7000,
-    519/673750, divided by its shear modulus at rest.  As L grows it is neo-Hookean.  The series
-    stands for the inverse Langevin function.  It stiffens but has no limiting extension: dW/dI1
-    is 3 % too small where I1 = 1.5 L^2, 10 % at 1.9 L^2 and 34 % at 2.4 L^2 (the exact
-    function is infinite at 3 L^2); :class:`Gent` has a limit.
+    :math:`W = \sum_{i=1}^5 C_i L^{2 - 2 i} (I_1^i - 3^i)` with :math:`C` = 1/2, 1/20, 11/1050,
+    19/7000, 519/673750, divided by its shear modulus at rest.  As :math:`L` grows it is
+    neo-Hookean.  The series stands for the inverse Langevin function.  It stiffens but has no
+    limiting extension: :math:`dW/dI_1` is 3 % too small where :math:`I_1 = 1.5 L^2`, 10 % at
+    :math:`1.9 L^2` and 34 % at :math:`2.4 L^2` (the exact function is infinite at
+    :math:`3 L^2`); :class:`Gent` has a limit.
 
     Parameters
     ----------
     locking_stretch : float
-        L, the stretch of a chain at its limit, above 1.
+        :math:`L`, the stretch of a chain at its limit, above 1.
     entropic_fraction : float
         Share of the modulus that is proportional to temperature.
 

@@ -41,10 +41,11 @@ _MODULUS_RULE: Final = _checks.positive_rule(
 
 @dataclass(frozen=True)
 class StrainEnergy(Material):
-    """A strain energy of one's own, as a formula in stretches or invariants.
+    r"""A strain energy of one's own, as a formula in stretches or invariants.
 
-    The formula may have any unit and any value at rest: W/mu = [W(l) - W(1)]/mu_W, with
-    mu_W the shear modulus at rest that follows from it.  It must not change when stretches
+    The formula may have any unit and any value at rest:
+    :math:`W/\mu = [W(\lambda) - W(1)]/\mu_W`, with :math:`\mu_W` the shear modulus at rest that
+    follows from it.  It must not change when stretches
     are exchanged (an isotropic solid), which also makes the undeformed state free of stress.
     A motion never leaves the states in which every logarithm, root and denominator in the
     formula has the sign that it has at rest.
@@ -53,9 +54,10 @@ class StrainEnergy(Material):
     ----------
     expression : str or SymPy expression
         Text, or a SymPy expression, in the principal stretches ``l1``, ``l2``, ``l3``, or the
-        invariants ``I1`` = l1^2 + l2^2 + l3^2 and ``I2`` = l1^-2 + l2^-2 + l3^-2, and in the
-        names of `constants`; arithmetic, powers, ``sqrt``, ``exp``, ``log``, ``sin``, ``cos``
-        and ``pi``.  Text is read, never run.
+        invariants ``I1`` :math:`= \lambda_1^2 + \lambda_2^2 + \lambda_3^2` and ``I2``
+        :math:`= \lambda_1^{-2} + \lambda_2^{-2} + \lambda_3^{-2}`, and in the names of
+        `constants`; arithmetic, powers, ``sqrt``, ``exp``, ``log``, ``sin``, ``cos`` and ``pi``.
+        Text is read, never run.
     constants : mapping of str to float
         Values of the other names: numeric fields of the material, which ``over`` may vary as
         ``material.NAME``.

@@ -23,15 +23,16 @@ _CONSTANT_RULE = _checks.finite_rule(
 
 @dataclass(frozen=True)
 class Yeoh(Material):
-    """Yeoh's solid, W = c1 (I1 - 3) + c2 (I1 - 3)^2 + c3 (I1 - 3)^3.
+    r"""Yeoh's solid, a cubic in the first invariant.
 
-    The energy is divided by the shear modulus 2 c1, so the constants may be given in pascal.
-    Usually c2 is negative (rubber softens first) and c3 positive (it stiffens later).
+    :math:`W = c_1 (I_1 - 3) + c_2 (I_1 - 3)^2 + c_3 (I_1 - 3)^3`, divided by the shear modulus
+    :math:`2 c_1`, so that the constants may be given in pascal.  Usually :math:`c_2` is negative
+    (rubber softens first) and :math:`c_3` positive (it stiffens later).
 
     Parameters
     ----------
     c1, c2, c3 : float
-        Constants of the powers of I1 - 3, in one unit; c1 above 0.
+        Constants of the powers of :math:`I_1 - 3`, in one unit; `c1` above 0.
     entropic_fraction : float
         Share of the modulus that is proportional to temperature.
 

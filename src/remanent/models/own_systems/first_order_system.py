@@ -24,7 +24,7 @@ from remanent.models.own_systems.written_system import (
 
 @dataclass(frozen=True, kw_only=True)
 class FirstOrderSystem(WrittenSystem):
-    """A system of first order, dy/dtau = f(y), by the rate of each state variable.
+    """A system of first order, by the rate of each of its state variables.
 
     Parameters
     ----------

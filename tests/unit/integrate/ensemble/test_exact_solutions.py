@@ -89,7 +89,7 @@ CASES: dict[str, tuple[Oscillator, tuple[float, float], float | None, FloatArray
 @pytest.mark.parametrize("tolerance", TOLERANCES)
 @pytest.mark.parametrize("name", CASES)
 def test_the_requested_tolerance_is_met(name: str, tolerance: float) -> None:
-    """True error <= reported error <= tolerance, at steps and between them.
+    """Closed forms are met: true error <= reported error <= tolerance, between steps too.
 
     Law: Exact solutions.
     """
