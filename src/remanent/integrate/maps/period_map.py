@@ -33,10 +33,10 @@ from remanent.integrate.variations import field_with_tangents
 #: Whose errors are controlled: those of the state and of the derivatives, of the state alone,
 #: or none.
 ErrorControl = Literal["all", "state", "none"]
-#: Groups of trajectories that are advanced by one call, so that their records stay small.
-_GROUPS_PER_RUN = 32
-#: Double steps of groups that make a task for a thread: about a millisecond.
-_DOUBLE_STEPS_PER_TASK = 4096
+#: Groups of a segment, that is one call of a kernel, at most: their records stay small.
+_GROUPS_PER_SEGMENT = 32
+#: Double steps of groups that make a chunk, the task of a thread: about a millisecond.
+_DOUBLE_STEPS_PER_CHUNK = 4096
 #: Double steps per period to begin with.
 _FIRST_RESOLUTION = 8
 #: Errors from here on no longer follow the order of the method.
@@ -122,8 +122,8 @@ class _StartingPoints:
 
 
 @dataclass(frozen=True)
-class _Run:
-    """Some groups of one resolution."""
+class _Segment:
+    """Some groups of one resolution, advanced by one call of the kernel."""
 
     groups: slice
     level: int
@@ -159,25 +159,27 @@ class _Lanes:
         place = np.repeat(firsts, sizes) + np.minimum(place_in_level, np.repeat(counts - 1, sizes))
         return cls(points[order[place]], sorted_levels[place], lane_count)
 
-    def runs(self) -> Iterator[_Run]:
-        """All groups, in runs of one resolution."""
+    def segments(self) -> Iterator[_Segment]:
+        """All groups, in segments of one resolution."""
         levels = self.levels[:: self.lane_count]
         firsts = np.flatnonzero(np.diff(levels, prepend=-1)).tolist()
         for begin, end in itertools.pairwise([*firsts, levels.size]):
-            for first in range(begin, end, _GROUPS_PER_RUN):
-                yield _Run(slice(first, min(first + _GROUPS_PER_RUN, end)), int(levels[begin]))
+            for first in range(begin, end, _GROUPS_PER_SEGMENT):
+                yield _Segment(
+                    slice(first, min(first + _GROUPS_PER_SEGMENT, end)), int(levels[begin])
+                )
 
-    def tasks(self, periods: int) -> list[list[_Run]]:
-        """The runs in tasks that are worth a thread."""
-        tasks: list[list[_Run]] = []
+    def chunks(self, periods: int) -> list[list[_Segment]]:
+        """The segments, in chunks that are worth a thread."""
+        chunks: list[list[_Segment]] = []
         room = 0
-        for run in self.runs():
+        for segment in self.segments():
             if room <= 0:
-                tasks.append([])
-                room = _DOUBLE_STEPS_PER_TASK
-            tasks[-1].append(run)
-            room -= (run.groups.stop - run.groups.start) * run.level * periods
-        return tasks
+                chunks.append([])
+                room = _DOUBLE_STEPS_PER_CHUNK
+            chunks[-1].append(segment)
+            room -= (segment.groups.stop - segment.groups.start) * segment.level * periods
+        return chunks
 
 
 class PeriodMap:
@@ -344,24 +346,27 @@ class PeriodMap:
     ) -> None:
         """Advance points in place, and write their states after each period into `path`."""
 
-        def advance(task: list[_Run]) -> None:
-            for run in task:
-                record = self._advance_run(memory.slots[run.groups], run.level, course)
+        def advance(chunk: list[_Segment]) -> None:
+            for segment in chunk:
+                record = self._advance_segment(memory.slots[segment.groups], segment.level, course)
                 if path is not None and record is not None:
                     begin, end = (
-                        group * lanes.lane_count for group in (run.groups.start, run.groups.stop)
+                        group * lanes.lane_count
+                        for group in (segment.groups.start, segment.groups.stop)
                     )
                     states = memory.by_trajectory(record)[:, :, : self.dimension]
                     path[lanes.points[begin:end]] = states
 
-        tasks = lanes.tasks(course.periods)
+        chunks = lanes.chunks(course.periods)
         if self._is_threaded:
-            results_of_all(advance, tasks)
+            results_of_all(advance, chunks)
         else:
-            for task in tasks:
-                advance(task)
+            for chunk in chunks:
+                advance(chunk)
 
-    def _advance_run(self, lanes: FloatArray, level: int, course: _MapExtent) -> FloatArray | None:
+    def _advance_segment(
+        self, lanes: FloatArray, level: int, course: _MapExtent
+    ) -> FloatArray | None:
         """Advance some groups in place; the states after each period where asked."""
         fine, coarse = self._cycle_tables(self.kernel.method.nodes, level)
         record = None
