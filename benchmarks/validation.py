@@ -82,6 +82,13 @@ as large at the median.
 _STANDARD = """\
 Standard errors promise that 68 % of the true errors are smaller:
 """
+_TESTS = """\
+## How much the tests see
+
+Lines that hold a statement and ways out of a branch, counted together, and the share of them that
+the tests of `make test` take, by subpackage. `make coverage` measures it, and fails where the
+numeric core, which decides the numbers that a user gets, is not above 95 %.
+"""
 _SPEED = """\
 ## Speed against peers
 
@@ -378,6 +385,30 @@ def _percent(share: float) -> str:
     return f"{100.0 * share:.2f} %"
 
 
+def _of_tests() -> Iterator[str]:
+    lines, mutants = (store.load(f"tests/{name}") for name in ("lines", "mutants"))
+    if lines is None:
+        return
+    yield _TESTS
+    rows = (
+        (f"**{name}**" if name == "numeric core" else name, str(row["num_statements"]),
+         str(row["num_branches"]), _percent(row["share"]))
+        for name, row in lines["packages"].items()
+    )  # fmt: skip
+    yield _table(["subpackage", "lines:", "ways out of branches:", "taken:"], rows)
+    if mutants is not None:
+        yield _sentence_on_mutants(mutants["packages"]["in all"])
+
+
+def _sentence_on_mutants(score: Mapping[str, Any]) -> str:
+    low, high = score["interval"]
+    return (
+        f"Of {score['mutants']} random changes of the numeric core (`make mutants`) "
+        f"{score['equivalent']} change no result; of the others the tests notice "
+        f"{_percent(score['score'])} ({_percent(low)} to {_percent(high)} at 95 % confidence).\n"
+    )
+
+
 def _of_speed(results: Results) -> Iterator[str]:
     yield _SPEED
     yield from page.warnings(results)
@@ -418,6 +449,7 @@ def text() -> str:
         *_of_exact_cases(found),
         *_of_engines(),
         *_of_errors(measured),
+        *_of_tests(),
         *_of_speed(results),
     ]
     return "\n".join(parts).rstrip() + "\n"

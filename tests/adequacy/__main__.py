@@ -104,7 +104,7 @@ def _save(result: dict[str, object], sample: Sequence[verdicts.Finding]) -> None
         indent=1,
         ensure_ascii=False,
     )
-    (FOLDER / "mutants.json").write_text(text + "\n", encoding="utf-8")
+    (FOLDER / "tests" / "mutants.json").write_text(text + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -18,7 +18,7 @@ from coverage import Coverage
 
 from benchmarks.machine import environment
 from benchmarks.store import FOLDER
-from tests.adequacy.core import PACKAGE, is_core, package_of
+from tests.adequacy.core import PACKAGE, ROOT, is_core, package_of
 from tests.adequacy.durations import MEASURED
 
 #: What the numeric core must reach.
@@ -39,7 +39,7 @@ def main(save: bool) -> None:
         text = json.dumps(
             {"date": str(date.today()), "environment": environment(), "packages": table}, indent=1
         )
-        (FOLDER / "lines.json").write_text(text + "\n", encoding="utf-8")
+        (FOLDER / "tests" / "lines.json").write_text(text + "\n", encoding="utf-8")
     sys.exit(table["numeric core"]["share"] < LEAST_SHARE_OF_CORE)
 
 
@@ -67,7 +67,7 @@ def _summaries(data_file: Path) -> dict[str, dict[str, int]]:
     measured = Coverage(data_file=str(data_file))
     measured.load()
     report = data_file.with_suffix(".json")
-    measured.json_report(outfile=str(report))
+    measured.json_report(outfile=str(report), include=[f"{ROOT / PACKAGE}/*"])
     files = json.loads(report.read_text("utf-8"))["files"]
     prefix = f"{PACKAGE.as_posix()}/"
     return {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 from pathlib import Path
 
 import pytest
@@ -21,15 +22,28 @@ def test_the_page_is_what_its_sources_make() -> None:
 def test_a_changed_result_changes_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Numbers come from the files: another coverage is another page."""
     folder = tmp_path / "results"
-    (folder / "errors").mkdir(parents=True)
-    for path in store.FOLDER.rglob("*.json"):
-        (folder / path.relative_to(store.FOLDER)).write_bytes(path.read_bytes())
+    shutil.copytree(store.FOLDER, folder)
     file = folder / "errors" / "rotation-numbers.json"
     row = json.loads(file.read_text("utf-8"))
     row["total"]["coverage"] = 0.5
     file.write_text(json.dumps(row), encoding="utf-8")
     monkeypatch.setattr(store, "FOLDER", folder)
     assert "at 50.00 %; below 99.5 %: rotation numbers." in validation.text()
+
+
+def test_the_page_says_what_the_tests_see(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Shares of lines from their file; a score of mutants where there is one."""
+    lines = json.loads((store.FOLDER / "tests" / "lines.json").read_text("utf-8"))
+    share = lines["packages"]["numeric core"]["share"]
+    assert re.search(rf"^\| \*\*numeric core\*\* \| .* \| {100.0 * share:.2f} % \|$", PAGE, re.M)
+    score = {"mutants": 300, "equivalent": 10, "score": 0.8125, "interval": [0.76, 0.85]}
+    (tmp_path / "tests").mkdir()
+    for name, packages in (("lines", lines["packages"]), ("mutants", {"in all": score})):
+        text = json.dumps({"packages": packages})
+        (tmp_path / "tests" / f"{name}.json").write_text(text, encoding="utf-8")
+    monkeypatch.setattr(store, "FOLDER", tmp_path)
+    assert "Of 300 random changes" in "".join(validation._of_tests())
+    assert "notice 81.25 % (76.00 % to 85.00 %" in "".join(validation._of_tests())
 
 
 def test_every_law_and_every_kind_of_error_is_there() -> None:
