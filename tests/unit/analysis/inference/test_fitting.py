@@ -130,12 +130,12 @@ def test_decay_of_a_known_oscillation() -> None:
 
 
 def test_the_error_of_a_decrement_is_the_scatter_of_its_estimates() -> None:
-    """Turning points of known logarithms with noise: the error against 400 repetitions."""
+    """Turning points of known logarithms with noise: the error against 80 repetitions."""
     rng = np.random.default_rng(7)
     t = np.linspace(0.0, 30.0, 1501)
     clean = np.exp(-0.05 * t) * np.cos(2.0 * t)
     estimates, errors = [], []
-    for _ in range(400):
+    for _ in range(80):
         # A slow change of the level moves every swing a little, as noise that a spline can follow.
         slow = np.interp(t, np.linspace(0.0, 30.0, 40), rng.normal(0.0, 0.01, 40))
         found = fit_exponential_decay(t, clean * (1.0 + slow), prominence=0.01)
