@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import ast
 import json
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from itertools import accumulate
 from pathlib import Path
 from typing import Final
 
 from coverage import CoverageData
 
-from tests.adequacy.core import PACKAGE
+from tests.adequacy.core import PACKAGE, ROOT
 
 #: Tests that hold what runs at import, of every file.
 _OF_EVERY_FILE: Final = (
@@ -29,10 +30,13 @@ class CoveringTests:
         For each file, relative to the package, and each line: the tests that run it.
     seconds : mapping of str to float
         How long each test took.
+    importers : mapping
+        For each file: the files that import it.
     """
 
     by_line: Mapping[str, Mapping[int, frozenset[str]]]
     seconds: Mapping[str, float]
+    importers: Mapping[str, Sequence[str]] = field(default_factory=dict)
 
     @classmethod
     def read(cls, data_file: Path, duration_file: Path) -> CoveringTests:
@@ -46,17 +50,25 @@ class CoveringTests:
             }
             for path in data.measured_files()
         }
-        return cls(by_line, json.loads(duration_file.read_text("utf-8")))
+        importers: dict[str, list[str]] = {}
+        for path in sorted((ROOT / PACKAGE).rglob("*.py")):
+            for imported in _imported_files(path.read_text("utf-8")):
+                importers.setdefault(imported, []).append(_in_package(str(path)))
+        return cls(by_line, json.loads(duration_file.read_text("utf-8")), importers)
 
     def of(self, file: str, lines: Iterable[int]) -> list[str]:
         """The tests that run one of the lines, those of the same room and the fastest first.
 
-        What runs at import belongs to no test, and is given all tests of the file.
+        What runs at import belongs to no test, and is given all tests of the file, or, where the
+        file has values only, of those that import it.
         """
         of_file = self.by_line.get(file, {})
         tests = frozenset().union(*(of_file.get(line, frozenset()) for line in lines))
         if not tests and any(line in of_file for line in lines):
-            tests = frozenset(_OF_EVERY_FILE).union(*of_file.values())
+            tests = frozenset().union(*of_file.values()) or frozenset().union(
+                *(s for f in self.importers.get(file, ()) for s in self.by_line.get(f, {}).values())
+            )
+            tests |= frozenset(_OF_EVERY_FILE)
         room = f"tests/unit/{Path(file).parent.as_posix()}/"
         known = (test for test in tests if test in self.seconds)
         return sorted(known, key=lambda test: (not test.startswith(room), self.seconds[test], test))
@@ -70,6 +82,15 @@ class CoveringTests:
     def duration(self, tests: Iterable[str]) -> float:
         """How many seconds tests take together."""
         return sum(self.seconds[test] for test in tests)
+
+
+def _imported_files(text: str) -> Iterator[str]:
+    """The files of the package that a file takes names from, relative to the package."""
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.ImportFrom) and node.module and "." in node.module:
+            package, _, module = node.module.partition(".")
+            if package == PACKAGE.name:
+                yield f"{module.replace('.', '/')}.py"
 
 
 def _in_package(path: str) -> str:

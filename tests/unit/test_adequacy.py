@@ -10,7 +10,7 @@ import pytest
 from tests.adequacy import trial, verdicts
 from tests.adequacy.core import NUMERIC_CORE, PACKAGE, ROOT, core_files, is_core
 from tests.adequacy.coverage import shares
-from tests.adequacy.covering import CoveringTests
+from tests.adequacy.covering import CoveringTests, _imported_files
 from tests.adequacy.trial import Verdict
 from tests.adequacy.verdicts import Finding
 
@@ -88,6 +88,16 @@ def test_the_tests_of_a_line_are_those_that_run_it_and_the_nearest_come_first() 
     assert covering.of("models/a.py", [9]) == []
     assert covering.first([near, fast, other], 4.5) == [near, fast]
     assert covering.first([near, fast, other], 0.5) == [near]
+
+
+def test_values_are_held_by_the_tests_of_the_files_that_import_them() -> None:
+    """A file of constants runs at import only, and no test is known to run it."""
+    text = "from remanent.models.values import LIMIT\nimport numpy\nfrom remanent import _threads\n"
+    assert [*_imported_files(text)] == ["models/values.py"]
+    lines = {"models/a.py": {3: frozenset({"t"})}, "models/values.py": {1: frozenset[str]()}}
+    covering = CoveringTests(lines, {"t": 1.0}, {"models/values.py": ["models/a.py"]})
+    assert covering.of("models/values.py", [1]) == ["t"]
+    assert covering.of("models/values.py", [2]) == []
 
 
 def test_a_changed_file_comes_back_as_it_was_and_has_a_time_of_its_own(tmp_path: Path) -> None:

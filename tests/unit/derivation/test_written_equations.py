@@ -234,3 +234,15 @@ def test_common_factors_change_no_value(rows: list[tuple[int, ...]]) -> None:
     own |= {sp.Symbol("pair.inverse_product", real=True): 1 / product}
     left = nested.subs(own).subs(values) - sp.Add(*terms).subs(values)
     assert abs(sp.N(left, 30)) < 1e-25
+
+
+def test_powers_are_counted_to_take_them_out_of_sums() -> None:
+    """A power of a rate is a factor as often as its exponent says; of 1/x only 1/(x y) is left."""
+    x, y, v = sp.symbols("x y v")
+    inverse = sp.Symbol("pair.inverse_product", real=True)
+    nested = nested_in_pair(v**3 + v**2 * y, (x, y, v))
+    assert nested == sp.Mul(v**2, v + y, evaluate=False)
+    nested = nested_in_pair(v / x**2 + v**2 / (x * y), (x, y, v))
+    assert {power.base for power in nested.atoms(sp.Pow) if power.exp.is_negative} == set()
+    assert nested.has(inverse)
+    assert sp.expand(nested.subs(inverse, 1 / (x * y)) - v / x**2 - v**2 / (x * y)) == 0

@@ -94,7 +94,11 @@ def test_parts_with_a_sign_are_known() -> None:
 
 
 def test_size_is_bounded() -> None:
-    """Length of the text and size of the exponents have limits, which are themselves allowed."""
+    """Length of the text and size of the exponents have limits, which are themselves allowed.
+
+    A file keeps formulas as text, so that the first limit is one of files too.
+    """
+    assert MAX_CHARACTERS == 2000
     assert parse_formula("x" + " " * (MAX_CHARACTERS - 1)).text == "x"
     assert parse_formula("(x**8)**8").text == "(x ** 8) ** 8"
     for text in ("x" + " " * MAX_CHARACTERS, "(x**8)**9", "x**-65"):

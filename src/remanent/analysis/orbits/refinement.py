@@ -22,6 +22,8 @@ _STEP_OVER_ERROR_OF_MAP = 0.5
 _SHARE_OF_MAP = 0.3
 #: Finer maps help where their steps make more than this multiple of what rounding makes.
 _MIN_MAP_OVER_ROUNDING = 2.0
+#: Most levels at once.
+_MAX_LEVELS_AT_ONCE = 16.0
 #: Longest Newton step: farther away is another orbit.
 _MAX_STEP = 1e-2
 
@@ -120,4 +122,5 @@ def _next_levels(errors: OrbitErrors, level: IntArray, tolerance: float) -> IntA
         wanted = np.where(np.isfinite(wanted), wanted, 1.0)
         helps = ~(errors.map_share < _MIN_MAP_OVER_ROUNDING * errors.rounding_share)
     jump = np.where(errors.is_confirmed, np.maximum(wanted, 1.0), np.maximum(wanted, 2.0))
-    return np.where(helps, level + jump.clip(1, 16).astype(np.int64), np.iinfo(np.int64).max)
+    further = level + np.minimum(jump, _MAX_LEVELS_AT_ONCE).astype(np.int64)
+    return np.where(helps, further, np.iinfo(np.int64).max)

@@ -14,7 +14,7 @@ from remanent.analysis.inference.fitting import (
     fit_least_squares,
     profile_likelihood_interval,
 )
-from remanent.analysis.inference.ringdown import fit_exponential_decay
+from remanent.analysis.inference.ringdown import _smoothed, fit_exponential_decay
 
 T = np.linspace(0.0, 6.0, 40)
 FREE = ParameterBox(np.ones(2), np.full(2, -np.inf), np.full(2, np.inf))
@@ -127,6 +127,20 @@ def test_decay_of_a_known_oscillation() -> None:
     assert found.logarithmic_decrement == pytest.approx(np.pi * 0.1, rel=1e-8)
     assert found.angular_frequency == pytest.approx(2.0, rel=1e-8)
     assert fit_exponential_decay(t[:200], np.cos(t[:200]), prominence=0.01) is None
+
+
+def test_what_smoothing_leaves_tells_the_noise_without_bias() -> None:
+    """The mean of its square is the variance: of n samples n less the coefficients are free."""
+    t, sigma, rng = np.linspace(0.0, 3.0, 150), 0.01, np.random.default_rng(3)
+    variances, free = [], []
+    for _ in range(60):
+        record = _smoothed(t, np.cos(2.0 * np.pi * t) + rng.normal(0.0, sigma, t.size))
+        assert record is not None
+        assert record.cycles == pytest.approx(3.0, abs=0.2)
+        variances.append(record.noise**2 / sigma**2)
+        free.append(t.size - len(record.covariance))
+    standard_error = np.sqrt(2.0 / np.sum(free))
+    assert abs(np.mean(variances) - 1.0) < 3.0 * standard_error < 0.06
 
 
 def test_the_error_of_a_decrement_is_the_scatter_of_its_estimates() -> None:

@@ -8,8 +8,13 @@ import numpy as np
 import pytest
 
 from remanent._typing import FloatArray, IntArray
-from remanent.analysis.orbits.cell_samples import Sample
-from remanent.analysis.orbits.cells import CellSearchOutcome, zeros_by_cells
+from remanent.analysis.orbits.cell_samples import Cells, Sample
+from remanent.analysis.orbits.cells import (
+    _UNKNOWN,
+    CellSearchOutcome,
+    _with_curvature_of_neighbours,
+    zeros_by_cells,
+)
 
 #: A function of x and y as a complex one of z = x + i y, and its derivative.
 Holomorphic = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
@@ -105,3 +110,39 @@ def test_cells_that_become_too_many_are_left_open(monkeypatch: pytest.MonkeyPatc
     found = zeros_by_cells(rough, [np.linspace(0.0, 1.0, 11)] * 2, flatness=0.0, max_effort=1e12)
     assert max(asked) <= 1000
     assert len(found.unresolved) > 500
+
+
+def quarters(box: FloatArray) -> list[FloatArray]:
+    """The four quarters of a box."""
+    halves = [(low, 0.5 * (low + high), high) for low, high in box]
+    return [np.array([halves[0][i : i + 2], halves[1][j : j + 2]]) for i in (0, 1) for j in (0, 1)]
+
+
+def test_cells_learn_curvature_from_those_that_they_touch() -> None:
+    """Cells of three sizes between uneven edges: also over corners, not over what is between."""
+    edges = [np.array([0.0, 1.0, 3.0, 4.0, 8.0]), np.array([-1.0, 0.0, 0.5, 2.0, 3.0])]
+    rng = np.random.default_rng(4)
+    boxes = [np.array([[i, i + 1.0], [j, j + 1.0]]) for i in range(4) for j in range(4)]
+    for _ in range(2):  # some are divided into four, some of these again
+        parts = [[box] if rng.uniform() < 0.5 else quarters(box) for box in boxes]
+        boxes = [box for some in parts for box in some]
+    places = np.array(boxes)  # in numbers of edges, array (cell, coordinate, end)
+    ends = np.stack([np.interp(places[:, k], np.arange(5), edges[k]) for k in (0, 1)], axis=1)
+    count = len(ends)
+    curvature = rng.uniform(size=count)
+    curvature[:3] = _UNKNOWN
+    nothing = Sample(
+        np.zeros((count, 2)), np.zeros((count, 2, 2)), np.zeros(count), np.ones(count, dtype=int)
+    )
+    cells = Cells(
+        ends.mean(axis=2), 0.5 * np.ptp(ends, axis=2), nothing,
+        np.tile(curvature[:, None, None, None], (1, 2, 2, 2)), np.zeros(count, dtype=np.int64),
+    )  # fmt: skip
+    gap = np.maximum(places[:, None, :, 0], places[:, :, 0]) - np.minimum(
+        places[:, None, :, 1], places[:, :, 1]
+    )
+    touching = (gap <= 1e-9).all(axis=2)
+    known = np.where(curvature < _UNKNOWN, curvature, 0.0)
+    exact = np.maximum(curvature, np.where(touching, known, 0.0).max(axis=1))
+    found = _with_curvature_of_neighbours(cells, edges).curvature
+    np.testing.assert_array_equal(found, np.broadcast_to(exact[:, None, None, None], found.shape))

@@ -9,7 +9,12 @@ import pytest
 
 from remanent._typing import BoolArray, FloatArray
 from remanent.analysis.orbits.bifurcations import SpecialPoint, find_special_points
-from remanent.analysis.orbits.continuation import ContinuationSettings, continue_curves
+from remanent.analysis.orbits.continuation import (
+    ContinuationSettings,
+    _predict_points,
+    _start_arm,
+    continue_curves,
+)
 from remanent.analysis.orbits.correction import correct_points, unit_tangents
 from remanent.analysis.orbits.curves import (
     Curve,
@@ -122,6 +127,33 @@ def test_a_curve_goes_straight_on_where_it_crosses_itself() -> None:
     # Straight on, p changes its sign at 0; turning off there, it would keep it.
     assert (p.min(), p.max()) == (pytest.approx(-1.0, abs=1e-2), pytest.approx(1.0, abs=1e-2))
     assert np.count_nonzero(np.diff(np.sign(p))) == 2
+
+
+@pytest.mark.parametrize("scale", [1.0, 10.0])
+def test_cubics_are_foreseen_exactly_with_their_directions(scale: float) -> None:
+    """z(s) = (s, k s (s + g) (1 + q s)): through z(-g) = (-g, 0) and z(0) = 0 with their slopes."""
+    gap, k, q, step = 0.4, 0.7, 0.3, 0.25
+
+    def point(s: FloatArray) -> FloatArray:
+        return scale * np.stack([s, k * s * (s + gap) * (1.0 + q * s)], axis=1)
+
+    def slope(s: FloatArray) -> FloatArray:
+        along = k * (2.0 * s + gap) * (1.0 + q * s) + k * q * s * (s + gap)
+        return np.stack([np.ones_like(s), along], axis=1)
+
+    settings = ContinuationSettings(
+        np.full(2, -9.0), np.full(2, 9.0), np.full(2, scale), first_step_length=step
+    )
+    ends = np.array([-gap, 0.0])
+    none = np.zeros(1)
+    head = CurvePoints(point(ends)[1:], slope(ends)[1:], none, none, {})
+    arm = _start_arm(head, settings)
+    arm.point_before_last = (point(ends)[0], slope(ends)[0])
+    guess, direction = _predict_points([arm], settings)
+    ahead = step * np.arange(1.0, settings.points_per_block + 1)
+    np.testing.assert_allclose(guess, point(ahead), rtol=1e-13)
+    exact = slope(ahead) / np.linalg.norm(slope(ahead), axis=1, keepdims=True)
+    np.testing.assert_allclose(direction, exact, rtol=1e-13)
 
 
 def test_curves_followed_together_are_those_followed_alone() -> None:

@@ -14,8 +14,9 @@ from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Request
 from remanent.integrate.kernel import compile as module
 from remanent.integrate.kernel.options import KernelOptions
+from remanent.integrate.maps.period_map import PeriodMap
 from remanent.integrate.methods.runge_kutta import default_method
-from tests.unit.integrate.handmade import Oscillator, Q, V, problem
+from tests.unit.integrate.handmade import Oscillator, Q, V, problem, turning
 
 TIMES = np.linspace(0.0, 20.0, 41)[None]
 
@@ -69,6 +70,32 @@ def test_machine_code_writes_into_no_record_that_is_too_short() -> None:
     record = np.zeros((7, 1, layout.state_count, lane_count))
     with pytest.raises(ValueError, match="8 are needed"):
         kernel(lanes, tables, record, cycles=1, every=1)
+
+
+def test_states_are_kept_in_order_however_often_machine_code_returns(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """q'' = -q after 1 ... 9 eighths of a turn: one call of a kernel and nine give one path."""
+    eighth = np.array([0.25 * np.pi])
+    oscillator = PeriodMap(problem(Oscillator(-Q, {}), (1.0, 0.0), 1.0).field, turning)
+
+    def path() -> np.ndarray:
+        image = oscillator(
+            np.array([[1.0, 0.0]]),
+            np.zeros((1, 0)),
+            eighth,
+            tolerance=1e-12,
+            cycles=9,
+            visited=True,
+        )
+        assert image.visited_states is not None
+        return np.asarray(image.visited_states[0])
+
+    angle = eighth * np.arange(1, 10)
+    whole = path()
+    np.testing.assert_allclose(whole, np.stack([np.cos(angle), -np.sin(angle)], 1), atol=1e-10)
+    monkeypatch.setattr(module, "_STEPS_PER_CALL", 1)
+    np.testing.assert_array_equal(path(), whole)
 
 
 @pytest.mark.parametrize("damage", ["flipped", "truncated", "empty"])

@@ -10,6 +10,7 @@ import pytest
 import remanent as rm
 from remanent.models.drives.base import Drive
 from remanent.models.plain import from_plain_data, to_plain_data
+from tests.contracts.test_drives import through_load_schedule
 
 #: A mass on a spring that two loads pull, one of them with the other's stiffness.
 SYSTEM = rm.LagrangianSystem(
@@ -51,6 +52,13 @@ def test_each_load_follows_its_own_law(drives: dict[str, Drive]) -> None:
         t_eval=run.time.values,
     )  # fmt: skip
     np.testing.assert_allclose(run.x.values, exact.y[0], atol=2e-6)
+
+
+@pytest.mark.parametrize("drives", TOGETHER.values(), ids=TOGETHER)
+def test_to_a_system_with_one_load_they_are_the_first(drives: dict[str, Drive]) -> None:
+    """In the equations of motion, at all phases of all pieces, as in time."""
+    times, load = through_load_schedule(rm.Loads(drives), {}, np.array([9.0]))
+    np.testing.assert_allclose(load, drives["push"](times), atol=1e-13)
 
 
 def test_the_common_period_is_the_smallest() -> None:

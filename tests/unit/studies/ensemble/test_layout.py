@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 import remanent as rm
 from remanent import _threads
+from remanent.studies.ensemble.layout import lay_out_ensemble
 
 DRIVE = rm.SineSquared(0.4, 1.25)
 TIMES = np.linspace(0.0, 5.0, 11)
@@ -197,3 +198,13 @@ def test_values_that_break_a_rule_draw_one_warning() -> None:
         simulated(over={"temperature": [25.0, 300.0]})
     with pytest.warns(rm.InputWarning, match=r"got nan"):
         simulated(over={"c": xr.DataArray([1.0, np.nan], dims="case")})
+
+
+def test_starts_outside_of_what_the_message_states_are_none() -> None:
+    """Stretches from 1e-6 to 1e6 and rates up to 1e6, both ends included, are states."""
+    stretches, rates = [-1.0, 0.0, 9e-7, 1e-6, 1e6, 1.1e6], [-1.1e6, -1e6, 0.0, 1e6, 1.1e6]
+    over = {"initial.stretch": stretches, "initial.stretch_rate": rates}
+    with pytest.warns(rm.InputWarning, match="24 of 30 points"):
+        ens = lay_out_ensemble(rm.Actuator(), DRIVE, over)
+    valid = np.outer([0, 0, 0, 1, 1, 0], [0, 1, 1, 1, 0])
+    assert (ens.is_invalid == (valid.ravel() == 0)).all()

@@ -13,6 +13,7 @@ from scipy.io import savemat
 from scipy.stats import binom
 
 import remanent as rm
+from remanent.studies.inference.fit import _admissible_range
 
 TRUE = rm.Actuator(dissipation=rm.Rayleigh(0.2), prestress=0.2)
 GUESS = rm.Actuator(dissipation=rm.Rayleigh(0.1), prestress=0.2)
@@ -157,3 +158,29 @@ def test_steps_beyond_the_range_of_the_model_are_taken_back(load: float) -> None
     guess = body.replace(material=rm.Gent(5.0))
     found = rm.fit(guess, rm.Constant(load), data, ["material.jm", "m"])
     np.testing.assert_allclose(found.estimate, [3.0, 0.9], rtol=1e-6)
+
+
+#: Fields with rules of every kind: any number, above 0, at least 0, from 0 to 1.
+WITH_RULES = (
+    rm.Actuator(dissipation=(rm.Rayleigh(0.1), rm.Zener(0.5, 1.0)), heat=rm.Heat(exchange=0.1)),
+    rm.Actuator(material=rm.Gent(50.0)),
+    rm.SineSquared(0.4, 1.25),
+)
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
+def test_a_search_goes_as_far_as_the_rule_of_a_field_and_no_farther(scale: float) -> None:
+    """The rule holds on the range and, where that ends, not beyond the end."""
+    kinds = set()
+    for part in WITH_RULES:
+        for rule in part.parameter_rules().values():
+            lower, upper = _admissible_range(rule, scale)
+            kinds.add((lower, upper))
+            beyond = 1e-5 * scale
+            for end, outwards in ((lower, -1.0), (upper, 1.0)):
+                is_open = bool(np.isinf(end))
+                inside = outwards * 1e5 * scale if is_open else end
+                assert rule.is_satisfied_by(inside)
+                assert is_open or not rule.is_satisfied_by(end + outwards * beyond)
+    assert len(kinds) == 4
+    assert _admissible_range(None, scale) == (-np.inf, np.inf)

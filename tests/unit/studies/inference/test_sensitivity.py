@@ -8,6 +8,7 @@ import xarray as xr
 
 import remanent as rm
 from remanent.studies.ensemble.layout import lay_out_ensemble
+from remanent.studies.inference.sensitivity import _DifferenceStencil
 from remanent.studies.orbits._period_map import StroboscopicMap
 
 HOT = rm.Actuator(temperature=350.0)
@@ -122,3 +123,14 @@ def test_what_cannot_be_measured_is_refused() -> None:
         )
     with pytest.raises(rm.InputError, match="actuator"):
         rm.sensitivity(xr.Dataset, parameters="c")
+
+
+def test_what_a_measure_may_be_off_is_in_the_error_of_its_slope() -> None:
+    """3 x + 5 y about (2, 0), to 1e-3: an error that changes over the size of a field tilts it."""
+    stencil = _DifferenceStencil.centred_at(np.array([2.0, 0.0]), 0.02)
+    values = stencil.points @ [3.0, 5.0]
+    noise = np.full((len(values), 1), 1e-3)
+    slopes, errors = stencil.derivatives(values[:, None], noise)
+    np.testing.assert_allclose(slopes[:, 0], [3.0, 5.0], rtol=1e-9)
+    assert (errors[:, 0] >= 1e-3 / np.array([2.0, 1.0])).all()
+    assert (errors[:, 0] < 1e-2).all()

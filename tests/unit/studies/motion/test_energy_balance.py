@@ -57,3 +57,15 @@ def test_the_mean_is_that_of_many_samples() -> None:
     mean = np.trapezoid(fine.thickness_stretch, fine.time) / float(ds.time[-1])
     assert float(ds.mean_thickness_stretch[-1]) == pytest.approx(mean, abs=1e-6)
     assert float(ds.mean_thickness_stretch[0]) == 1.0
+
+
+def test_the_mean_is_that_of_the_time_so_far() -> None:
+    """x = cos t has the mean sin t/t up to any time, and at once its value."""
+    free = rm.LagrangianSystem(
+        coordinates="x", kinetic="x_rate**2/2", potential="x**2/2 - load*x", rest={"x": 1.0}
+    )
+    times = np.array([0.0, 0.25, 0.5, 0.9, 2.0, 5.0])
+    ds = rm.energy_balance(free, rm.Constant(0.0), times=times)
+    off = np.abs(ds.mean_x.values - np.sinc(times / np.pi))
+    assert (off <= ds.mean_x_error.values + 1e-15).all()
+    assert off.max() < 1e-9

@@ -7,7 +7,7 @@ import pytest
 
 import remanent as rm
 from remanent.studies.ensemble.layout import lay_out_ensemble
-from remanent.studies.orbits._checks import require_state_box
+from remanent.studies.orbits._checks import require_heat_exchange, require_state_box
 
 DRIVE = rm.SineSquared(0.4, 1.25)
 WARM = rm.Actuator(heat=rm.Heat(1e-3, exchange=0.1), dissipation=rm.Rayleigh(0.1))
@@ -25,3 +25,13 @@ def test_a_box_without_a_temperature_is_refused_by_name() -> None:
     assert ds.status.values.tolist() == [rm.Status.INVALID, rm.Status.OK]
     assert ds.orbits.values.tolist()[0] == 0
     assert ds.orbits.values.tolist()[1] > 0
+
+
+def test_only_what_warms_without_exchange_is_refused() -> None:
+    """One adiabatic member of an ensemble is enough; without a temperature nothing warms."""
+    for actuator in (WARM, rm.Actuator(dissipation=rm.Rayleigh(0.1))):
+        require_heat_exchange(lay_out_ensemble(actuator, DRIVE))
+    for exchange in ([0.0], [0.0, 0.1]):
+        ens = lay_out_ensemble(WARM, DRIVE, {"heat.exchange": exchange})
+        with pytest.raises(rm.InputError, match="exchange heat where its temperature is a state"):
+            require_heat_exchange(ens)

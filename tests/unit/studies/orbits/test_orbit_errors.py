@@ -121,3 +121,18 @@ def test_errors_of_random_orbits_cover(eta: float) -> None:
     told = np.isfinite(table[:, ::2]).all(axis=1)
     assert told.mean() > 0.9
     assert (table[told, 1::2] <= table[told, ::2]).all()
+
+
+def test_a_large_orbit_has_the_extremes_that_its_digits_allow() -> None:
+    """x'' = -x - d x' + f sin(w t): amplitude f/|1 - w^2 + i d w|, with f = 1e5 near 33 041."""
+    force, omega, damping = 1e5, 2.0, 0.2
+    linear = rm.LagrangianSystem(
+        coordinates="x", kinetic="x_rate**2/2", potential="x**2/2 - load*x",
+        dissipation="damping*x_rate**2/2", parameters={"damping": damping},
+    )  # fmt: skip
+    box = dict.fromkeys(("x", "x_rate"), (-2.0 * force, 2.0 * force))
+    found = rm.periodic_orbits(linear, rm.Sine(force, omega), state_box=box)
+    exact = force / abs(1.0 - omega**2 + 1j * damping * omega)
+    assert found.sizes["orbit"] == 1
+    for name, value in (("maximum", exact), ("minimum", -exact), ("amplitude", exact)):
+        assert abs(float(found[name][0]) - value) <= float(found[f"{name}_error"][0]) < 1e-5

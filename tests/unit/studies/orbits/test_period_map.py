@@ -131,3 +131,24 @@ def test_times_and_states_of_rates_that_are_none_are_refused() -> None:
     ):
         with pytest.raises(rm.InputError, match=words):
             rates(t, y)
+
+
+def test_errors_that_grow_from_period_to_period_are_kept_below_the_tolerance() -> None:
+    """x'' = x + f sin(w t), away from a saddle: errors grow e^pi times in each of three periods."""
+    force, omega, period, tolerance = 0.1, 2.0, 3, 1e-9
+    saddle = rm.LagrangianSystem(
+        coordinates="x", kinetic="x_rate**2/2", potential="-x**2/2 - load*x"
+    )
+    states = np.array([[1.0, 0.0], [1.0, -1.0], [0.3, 0.1], [0.01, 0.0]])
+    period_map = rm.period_map(
+        saddle, rm.Sine(force, omega), orbit_period=period, tolerance=tolerance
+    )
+    found = period_map(states)
+    end = period * 2.0 * np.pi / omega
+    # Beside the forced motion -f sin(w t)/(1 + w^2), which is at 0 where a period begins.
+    forced_rate = np.array([0.0, -force * omega / (1.0 + omega**2)])
+    turn = np.array([[np.cosh(end), np.sinh(end)], [np.sinh(end), np.cosh(end)]])
+    exact = (states - forced_rate) @ turn.T + forced_rate
+    assert (found.images_error <= tolerance).all()
+    assert (np.abs(found.images - exact) <= found.images_error).all()
+    assert (np.abs(found.jacobians - turn) <= found.jacobians_error).all()

@@ -8,6 +8,10 @@ import numpy as np
 import pytest
 
 import remanent as rm
+from remanent.analysis.statics.rounding import Rounded, RoundedDual
+from remanent.studies.ensemble.layout import lay_out_ensemble
+from remanent.studies.statics._static_ensemble import StaticEnsemble
+from remanent.studies.statics._static_errors import stretch_error
 
 
 def test_folds_are_found_for_each_of_the_other_fields() -> None:
@@ -100,3 +104,27 @@ def test_loads_are_given_by_their_names(m: Any) -> None:
         rm.equilibria(NAMED, m, state_box={"x": (-2.0, 2.0)})
     with pytest.raises(rm.InputError, match=r"`m` must .*loads .*: force, softening; got"):
         rm.backbone(NAMED, [1.5], m=m)
+
+
+def test_motion_from_rest_runs_between_the_turning_points() -> None:
+    """Law: energy.  Loads that push both ways, none, and the extremes of the motions themselves."""
+    body, loads = rm.Actuator(prestress=0.2), np.array([-0.3, 0.1, 0.2, 0.5])
+    ds = rm.equilibria(body, over={"m": loads})
+    runs = rm.simulate(
+        body, rm.Constant(0.0), over={"m": loads}, times=np.linspace(0.0, 6.0, 3001)
+    ).thickness_stretch
+    np.testing.assert_allclose(ds.turning_lower, runs.min("time"), atol=2e-5)
+    np.testing.assert_allclose(ds.turning_upper, runs.max("time"), atol=2e-5)
+    assert (ds.turning_upper - ds.turning_lower > 0.05).values.tolist() == [True, True, False, True]
+
+
+def test_the_error_of_a_zero_is_the_force_that_may_be_left_over_the_least_slope() -> None:
+    """A force of 1 +- 0.1 (times 1e-12) with the slope -2 +- 0.5, and one of unknown sign."""
+    force = RoundedDual(
+        Rounded(np.array([1e-12, -1e-12, 1e-12]), np.array([1e-13, 0.0, 0.0])),
+        Rounded(np.array([-2.0, 4.0, 0.1]), np.array([0.5, 0.0, 0.2])),
+    )
+    static = StaticEnsemble(lay_out_ensemble(rm.Actuator(), rm.Constant(0.1)))
+    case = np.zeros(3, dtype=np.int64)
+    found = stretch_error(static, case, np.ones(3), force)
+    np.testing.assert_allclose(found, [1.1e-12 / 1.5, 0.25e-12, np.inf], rtol=1e-14)
