@@ -72,6 +72,13 @@ def test_the_rate_of_a_load_is_its_slope_in_time(name: str) -> None:
 
 
 @every
+def test_a_drive_has_a_rate_where_it_writes_one(drive: Drive) -> None:
+    """A rate that is written and not told of would never be used."""
+    assert np.isfinite(drive(0.5))
+    assert drive.has_load_rate == (type(drive).load_rate is not Drive.load_rate)
+
+
+@every
 def test_each_of_a_batch_of_parameters_gives_its_own_load(drive: Drive) -> None:
     """Every member of a batch has the load of a drive with its parameters alone."""
     factors = np.array([1.0, 1.1, 1.3])

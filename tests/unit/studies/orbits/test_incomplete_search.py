@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 import xarray as xr
 
@@ -18,6 +19,7 @@ from remanent.studies.orbits import (
     continue_orbit,
     manifold_crossing,
 )
+from remanent.studies.orbits._branch_ends import CurveEnds, _what_stopped
 
 HOT, DRIVE = rm.Actuator(temperature=350), rm.SineSquared(0.4, 1.25)
 WHY = "a part of the box is dark"
@@ -76,3 +78,17 @@ def test_a_grid_of_guesses_is_no_certificate(monkeypatch: pytest.MonkeyPatch) ->
     ds = rm.periodic_orbits(rm.Actuator(prestress=(0.1, 0.1)), DRIVE)
     assert int(ds.status) == rm.Status.INCOMPLETE
     assert "nothing damps the motion" in str(ds.reason.values)
+
+
+@pytest.mark.parametrize(
+    ("count", "names"), [(1, ["the curve"] * 2), (2, ["branch 0", "branch 1"])]
+)
+def test_a_branch_is_numbered_where_there_are_several(count: int, names: list[str]) -> None:
+    """Each end that stopped early has its clause: of the only curve, or of one by its number."""
+    ends = {1: [["lost", "max_points"]], 2: [["lost", "closed"], ["bounds", "max_points"]]}
+    reasons = np.array(ends[count])
+    bounds = np.full(reasons.shape, "")
+    found = _what_stopped(CurveEnds(reasons, bounds), ())
+    assert len(found) == 2
+    assert found[0].startswith(f"{names[0]} at its first point was lost")
+    assert found[1].startswith(f"{names[1]} at its last point has as many points as max_points")
