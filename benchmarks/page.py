@@ -24,7 +24,7 @@ $10^{-8}$, by the cheapest of its settings that does; errors are differences fro
 extended precision (heyoka.py, tolerance $10^{-18}$). Times are medians, on one core, in
 microseconds per trajectory and unit of $\\tau$; tools take turns. Compiling is shown apart.
 """
-_TARGETS = """\
+TARGETS = """\
 *Measured* is how many times as fast as the other tool this package is, where the row says nothing
 else; *at least* is what it has to reach, and *aim* what it should. *Met* is `aim` where the aim is
 reached, and `yes` where only the least is.
@@ -128,7 +128,7 @@ def _page(results: Results) -> Iterator[str]:
     yield _INTRODUCTION
     yield from warnings(results)
     yield from ("## Targets", "", tables.targets(results).markdown(), "")
-    yield _TARGETS
+    yield TARGETS
     for row, title, text, table in _SECTIONS:
         if row in results:
             data = results[row]["data"]

@@ -25,9 +25,10 @@ def described(data: dict[str, Any], *, quick: bool, busy: float) -> dict[str, An
 
 def save(row: str, result: dict[str, Any]) -> None:
     """Write the results of a row over those saved before."""
-    FOLDER.mkdir(exist_ok=True)
+    path = FOLDER / f"{row}.json"
+    path.parent.mkdir(parents=True, exist_ok=True)
     text = json.dumps(result, indent=1, ensure_ascii=False, allow_nan=False)
-    (FOLDER / f"{row}.json").write_text(text + "\n", encoding="utf-8")
+    path.write_text(text + "\n", encoding="utf-8")
 
 
 def load(row: str) -> dict[str, Any] | None:

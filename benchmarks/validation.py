@@ -96,11 +96,7 @@ Times are in microseconds of one core per trajectory and unit of $\\tau$, each t
 cheapest of its settings with which its worst error is within $10^{-8}$; [measured
 speed and errors](results.md) has what each tool was given to do.
 """
-_TARGETS = """\
-Further work, and the targets of each: *measured* is how many times as fast as the other this
-package is, where the row says nothing else; *at least* is what it has to reach, *aim* what it
-should, and *met* says which of them it reached. A row "not measured" has no result yet.
-"""
+_FURTHER_WORK = 'Further work, with its targets; a row "not measured" has no result yet.\n'
 
 
 @dataclass(frozen=True)
@@ -429,7 +425,8 @@ def _of_speed(results: Results) -> Iterator[str]:
     yield _table(
         ["work", "tool", "version", "µs:", "of ours with its error:", "worst error:"], rows()
     )
-    yield _TARGETS
+    yield _FURTHER_WORK
+    yield page.TARGETS
     yield tables.targets(results).markdown() + "\n"
     yield "## Machine and versions\n"
     yield tables.environment(results.values()).markdown() + "\n"

@@ -7,7 +7,6 @@ goes on where it was stopped.
 
 from __future__ import annotations
 
-import json
 import os
 import sys
 import tempfile
@@ -17,8 +16,8 @@ from pathlib import Path
 
 import click
 
+from benchmarks import store
 from benchmarks.machine import environment
-from benchmarks.store import FOLDER
 from tests.adequacy import mutants, trial, verdicts
 from tests.adequacy.core import NUMERIC_CORE, PACKAGE, package_of
 from tests.adequacy.covering import CoveringTests
@@ -99,12 +98,8 @@ def _control(copy: Path, mutant: Mutant, tests: Sequence[str], alone: float) -> 
 def _save(result: dict[str, object], sample: Sequence[verdicts.Finding]) -> None:
     """Write the score, and every mutant that no test saw."""
     kept = [vars(one) for one in sample if not verdicts.is_killed(one)]
-    text = json.dumps(
-        {"date": str(date.today()), "environment": environment(), **result, "not killed": kept},
-        indent=1,
-        ensure_ascii=False,
-    )
-    (FOLDER / "tests" / "mutants.json").write_text(text + "\n", encoding="utf-8")
+    about = {"date": str(date.today()), "environment": environment()}
+    store.save("tests/mutants", {**about, **result, "not killed": kept})
 
 
 if __name__ == "__main__":

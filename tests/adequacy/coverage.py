@@ -16,8 +16,8 @@ from typing import Any, Final
 import click
 from coverage import Coverage
 
+from benchmarks import store
 from benchmarks.machine import environment
-from benchmarks.store import FOLDER
 from tests.adequacy.core import PACKAGE, ROOT, is_core, package_of
 from tests.adequacy.durations import MEASURED
 
@@ -36,10 +36,8 @@ def main(save: bool) -> None:
         branches = f"{row['covered_branches']:5} of {row['num_branches']:5} branches"
         click.echo(f"{name:14}{row['share']:8.2%}   {lines}   {branches}")
     if save:
-        text = json.dumps(
-            {"date": str(date.today()), "environment": environment(), "packages": table}, indent=1
-        )
-        (FOLDER / "tests" / "lines.json").write_text(text + "\n", encoding="utf-8")
+        about = {"date": str(date.today()), "environment": environment()}
+        store.save("tests/lines", {**about, "packages": table})
     sys.exit(table["numeric core"]["share"] < LEAST_SHARE_OF_CORE)
 
 

@@ -57,7 +57,7 @@ class CoveringTests:
         return cls(by_line, json.loads(duration_file.read_text("utf-8")), importers)
 
     def of(self, file: str, lines: Iterable[int]) -> list[str]:
-        """The tests that run one of the lines, those of the same room and the fastest first.
+        """The tests that run one of the lines, those of the same subpackage and the fastest first.
 
         What runs at import belongs to no test, and is given all tests of the file, or, where the
         file has values only, of those that import it.
@@ -69,9 +69,11 @@ class CoveringTests:
                 *(s for f in self.importers.get(file, ()) for s in self.by_line.get(f, {}).values())
             )
             tests |= frozenset(_OF_EVERY_FILE)
-        room = f"tests/unit/{Path(file).parent.as_posix()}/"
+        beside = f"tests/unit/{Path(file).parent.as_posix()}/"
         known = (test for test in tests if test in self.seconds)
-        return sorted(known, key=lambda test: (not test.startswith(room), self.seconds[test], test))
+        return sorted(
+            known, key=lambda test: (not test.startswith(beside), self.seconds[test], test)
+        )
 
     def first(self, tests: Sequence[str], seconds: float) -> list[str]:
         """The first tests that together take so long, one at least."""

@@ -1,4 +1,4 @@
-"""Long histories: the band between the extremes of a motion, and its last turns beside it."""
+"""Long histories: the band between the extremes of a motion, its last oscillations beside it."""
 
 from __future__ import annotations
 
@@ -11,27 +11,27 @@ from matplotlib.lines import Line2D
 
 from remanent._typing import FloatArray
 
-__all__ = ["add_last_turns", "draw_as_bands", "extent_of", "turn_count"]
+__all__ = ["add_last_oscillations", "draw_as_bands", "extent_of", "oscillation_count"]
 
-#: Turns for each point of width from which no turn is seen for itself.
-_MANY_TURNS_PER_POINT: Final = 0.5
+#: Oscillations for each point of width from which none is seen for itself.
+_BAND_OSCILLATIONS_PER_POINT: Final = 0.5
 #: Size of a piece of which the extremes are drawn: so many points of width at least, and so many
-#: turns, so that each has a whole one.
+#: oscillations, so that each has a whole one.
 _PIECE_WIDTH_POINTS: Final = 1.0
-_PIECE_TURNS: Final = 1.0
+_PIECE_OSCILLATIONS: Final = 1.0
 #: Opacity of a band, and width of its outline in points.
 _BAND_OPACITY: Final = 0.35
 _OUTLINE_WIDTH: Final = 0.6
-#: How many turns are drawn beside bands, for themselves.
-_LAST_TURN_COUNT: Final = 10
-#: Width of the axes with the last turns, over that of the axes with all.
-_LAST_TURNS_WIDTH: Final = 0.45
+#: How many oscillations are drawn beside bands, for themselves.
+_LAST_OSCILLATION_COUNT: Final = 10
+#: Width of the axes with the last oscillations, over that of the axes with all.
+_LAST_OSCILLATIONS_WIDTH: Final = 0.45
 
 
 def draw_as_bands(
     axes: Axes, artists: Sequence[Line2D], given: Mapping[str, Any], width: float
 ) -> list[tuple[Line2D, FloatArray]]:
-    """Draw lines whose turns run into a solid block as bands between their extremes.
+    """Draw lines whose oscillations run into a solid block as bands between their extremes.
 
     The line becomes the outline of its band; small motions lie over large ones.
 
@@ -54,10 +54,10 @@ def draw_as_bands(
     if {"marker", "ls", "linestyle"} & set(given):  # each point is to be seen
         return []
     before = [(artist, np.asarray(artist.get_xydata(), dtype=np.float64)) for artist in artists]
-    crowded = [a for a in artists if turn_count(a) > _MANY_TURNS_PER_POINT * width]
+    crowded = [a for a in artists if oscillation_count(a) > _BAND_OSCILLATIONS_PER_POINT * width]
     crowded.sort(key=lambda artist: -float(np.prod(extent_of(artist))))
     for rank, artist in enumerate(crowded):
-        pieces = min(width / _PIECE_WIDTH_POINTS, turn_count(artist) / _PIECE_TURNS)
+        pieces = min(width / _PIECE_WIDTH_POINTS, oscillation_count(artist) / _PIECE_OSCILLATIONS)
         points = np.asarray(artist.get_xydata(), dtype=np.float64)
         upper, lower = _extremes(points, max(int(pieces), 1))
         artist.set_data(*np.concatenate([upper, [[np.nan, np.nan]], lower]).T)
@@ -72,8 +72,8 @@ def draw_as_bands(
     return before if crowded else []
 
 
-def add_last_turns(axes: Axes, before: Sequence[tuple[Line2D, FloatArray]]) -> Axes | None:
-    """Draw the last turns beside bands, in axes of their own on the right.
+def add_last_oscillations(axes: Axes, before: Sequence[tuple[Line2D, FloatArray]]) -> Axes | None:
+    """Draw the last oscillations beside bands, in axes of their own on the right.
 
     Parameters
     ----------
@@ -89,13 +89,15 @@ def add_last_turns(axes: Axes, before: Sequence[tuple[Line2D, FloatArray]]) -> A
     if not before:
         return None
     known = [points[np.isfinite(points).all(axis=1)] for _, points in before]
-    # As many turns of the slowest; what hardly turns has no say.
-    turning = [points for points in known if _turns_of(points[:, 1]) >= _LAST_TURN_COUNT]
-    turn = max(float(np.ptp(points[:, 0])) / _turns_of(points[:, 1]) for points in turning)
-    begin = max(float(points[-1, 0]) for points in turning) - _LAST_TURN_COUNT * turn
+    # As many oscillations of the slowest; what hardly oscillates does not count.
+    counts = [_oscillations_of(points[:, 1]) for points in known]
+    spans = [points[[0, -1], 0] for points in known]
+    counted = [k for k, count in enumerate(counts) if count >= _LAST_OSCILLATION_COUNT]
+    period = max(float(np.ptp(spans[k])) / counts[k] for k in counted)
+    begin = max(float(spans[k][1]) for k in counted) - _LAST_OSCILLATION_COUNT * period
     figure = axes.get_figure(root=True)
     assert figure is not None
-    grid = figure.add_gridspec(1, 2, width_ratios=(1.0, _LAST_TURNS_WIDTH))
+    grid = figure.add_gridspec(1, 2, width_ratios=(1.0, _LAST_OSCILLATIONS_WIDTH))
     axes.set_subplotspec(grid[0, 0])
     beside = figure.add_subplot(grid[0, 1], sharey=axes)
     for (artist, _), points in zip(before, known, strict=True):
@@ -104,16 +106,16 @@ def add_last_turns(axes: Axes, before: Sequence[tuple[Line2D, FloatArray]]) -> A
     beside.margins(x=0.0)
     beside.tick_params(labelleft=False)
     beside.set(xlabel=axes.get_xlabel())
-    beside.set_title(f"the last {_LAST_TURN_COUNT} turns", loc="left")
+    beside.set_title(f"the last {_LAST_OSCILLATION_COUNT} oscillations", loc="left")
     return beside
 
 
-def turn_count(artist: Line2D) -> int:
+def oscillation_count(artist: Line2D) -> int:
     """How often what is drawn has a maximum."""
-    return _turns_of(np.asarray(artist.get_ydata(), dtype=np.float64))
+    return _oscillations_of(np.asarray(artist.get_ydata(), dtype=np.float64))
 
 
-def _turns_of(values: FloatArray) -> int:
+def _oscillations_of(values: FloatArray) -> int:
     return int((np.diff(np.sign(np.diff(values[np.isfinite(values)]))) < 0.0).sum())
 
 

@@ -12,7 +12,12 @@ from matplotlib.collections import PathCollection
 from matplotlib.lines import Line2D
 
 from remanent.plots import ensemble, keys, missing, style
-from remanent.plots.envelopes import add_last_turns, draw_as_bands, extent_of, turn_count
+from remanent.plots.envelopes import (
+    add_last_oscillations,
+    draw_as_bands,
+    extent_of,
+    oscillation_count,
+)
 from remanent.plots.footer import add_legend_and_footer
 from remanent.results.provenance import observable_name
 
@@ -33,14 +38,14 @@ _MAX_POINT_AREA: Final = 6.0
 _OPEN_POINT_AREA_RATIO: Final = 4.0
 #: Width of the line around an open point, in points.
 _OPEN_POINT_LINE_WIDTH: Final = 0.6
-#: Width of a line with few turns, of one with very many, in points, and its opacity there.
+#: Width of a line with few oscillations, of one with very many, in points, and its opacity there.
 _USUAL_LINE_WIDTH: Final = 1.0
 _MIN_LINE_WIDTH: Final = 0.3
 _MIN_OPACITY: Final = 0.6
-#: Turns of a history for each point of width, and of an orbit in a plane, from which lines are
-#: drawn thinner.
-_MANY_TURNS_PER_POINT: Final = 0.25
-_MANY_TURNS_IN_PLANE: Final = 20.0
+#: Oscillations of a history for each point of width, and of an orbit in a plane, from which lines
+#: are drawn thinner.
+_MANY_OSCILLATIONS_PER_POINT: Final = 0.25
+_MANY_OSCILLATIONS_IN_PLANE: Final = 20.0
 #: Dimensions along which a motion runs.
 _TIME_DIMENSIONS: Final = ("time", "cycle")
 
@@ -59,8 +64,8 @@ def history(
 ) -> list[Line2D]:
     """Draw a variable against time.
 
-    Of a motion of some hundred turns no turn is seen for itself: it is drawn as the band between
-    its extremes, and a new figure has its last ten turns beside it.
+    Of a motion of some hundred oscillations none is seen for itself: the motion is drawn as the
+    band between its extremes, and a new figure has the last ten beside it.
 
     Parameters
     ----------
@@ -77,7 +82,7 @@ def history(
     footer : bool
         Whether a new figure says below what made it; files say so in their metadata.
     envelope : bool
-        Whether motions whose turns would run into a solid block are drawn as bands.
+        Whether motions whose oscillations would run into a solid block are drawn as bands.
     **line : Any
         Passed to matplotlib's ``plot``.
 
@@ -114,10 +119,10 @@ def history(
         )
         before = draw_as_bands(axes, artists, line, _axes_width(axes)) if envelope else []
         if not before:
-            _thin_crowded(artists, line, _MANY_TURNS_PER_POINT * _axes_width(axes))
+            _thin_crowded(artists, line, _MANY_OSCILLATIONS_PER_POINT * _axes_width(axes))
         axes.margins(x=0.0)
         if ax is None:
-            add_last_turns(axes, before)
+            add_last_oscillations(axes, before)
         ends = missing.mark_ends(axes, members, "time", variable)
         _add_keys(
             axes,
@@ -190,7 +195,7 @@ def phase(
     with style.context_of(ax):
         axes = style.given_or_new_axes(ax, height=3.1)
         members, artists = _draw_members(axes, dataset, x, y, _TIME_DIMENSIONS, _draw_line, line)
-        _thin_crowded(artists, line, _MANY_TURNS_IN_PLANE)
+        _thin_crowded(artists, line, _MANY_OSCILLATIONS_IN_PLANE)
         if start:
             # In the order of the members: that of a set of NaN would change from run to run.
             begun = [m for m in members if m.data[x].size]
@@ -326,7 +331,7 @@ def _draw_line(axes: Axes, member: ensemble.Member, x: str, y: str, line: dict[s
 
 
 def _thin_crowded(artists: Sequence[Line2D], given: Mapping[str, Any], many: float) -> None:
-    """Draw lines of many turns thin and light, and small motions over large ones.
+    """Draw lines of many oscillations thin and light, and small motions over large ones.
 
     Parameters
     ----------
@@ -335,9 +340,9 @@ def _thin_crowded(artists: Sequence[Line2D], given: Mapping[str, Any], many: flo
     given : mapping
         What the user says of lines, which stays.
     many : float
-        Turns from which a line gets thinner.
+        Oscillations from which a line gets thinner.
     """
-    crowding = max((turn_count(artist) for artist in artists), default=0) / many
+    crowding = max((oscillation_count(artist) for artist in artists), default=0) / many
     if crowding <= 1.0:
         return
     sizes = [float(np.prod(extent_of(artist))) for artist in artists]

@@ -252,7 +252,7 @@ def test_a_band_has_a_gap_where_nothing_is_known() -> None:
     assert len(axes.patches) == 2
 
 
-def test_a_new_figure_of_a_long_history_has_its_last_turns_beside_it() -> None:
+def test_a_new_figure_of_a_long_history_has_its_last_oscillations_beside_it() -> None:
     """Ten of them, on the same vertical scale; a short history has no second axes."""
     dataset = two_swings(4000.0)
     axes = plots.history(dataset)[0].axes

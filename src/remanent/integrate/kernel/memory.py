@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Self
 
@@ -96,8 +96,3 @@ class LaneMemory:
         moved = record.transpose(1, 3, 0, 2)
         padded = moved.shape[0] * moved.shape[1]
         return moved.reshape(padded, *moved.shape[2:])[: self.trajectory_count]
-
-    def split_by_groups(self, groups: int) -> Iterator[FloatArray]:
-        """Parts of the array with at most so many groups, as views of it."""
-        for first in range(0, self.slots.shape[0], groups):
-            yield self.slots[first : first + groups]

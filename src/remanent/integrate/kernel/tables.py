@@ -14,7 +14,7 @@ from remanent._typing import FloatArray, IntArray
 _MOST_DOUBLE_STEPS_OF_WHOLE_TABLES = 2**18
 #: Tables of at most so many double steps are short: all that are in use are remembered, in some
 #: megabytes.  Of longer ones, which a run takes long to go through once, only the last are.
-_MOST_DOUBLE_STEPS_OF_SHORT_TABLES = 2**9
+_MOST_DOUBLE_STEPS_OF_SHORT_TABLES = 2**11
 _REMEMBERED_SHORT_TABLES = 128
 _REMEMBERED_LONG_TABLES = 1
 #: Steps of a table that are filled at once, so that little memory is needed beside it.

@@ -357,12 +357,8 @@ class PeriodMap:
                     states = memory.by_trajectory(record)[:, :, : self.dimension]
                     path[lanes.points[begin:end]] = states
 
-        chunks = lanes.chunks(course.periods)
-        if self._is_threaded:
-            results_of_all(advance, chunks)
-        else:
-            for chunk in chunks:
-                advance(chunk)
+        all_at_once = [[*lanes.segments()]]
+        results_of_all(advance, lanes.chunks(course.periods) if self._is_threaded else all_at_once)
 
     def _advance_segment(
         self, lanes: FloatArray, level: int, course: _MapExtent

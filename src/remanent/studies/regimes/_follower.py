@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from concurrent.futures import as_completed
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
@@ -11,7 +10,7 @@ import numpy as np
 
 from remanent._machine import available_processor_count
 from remanent._status import Status
-from remanent._threads import StoppableThreads
+from remanent._threads import StoppableThreads, as_finished
 from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.analysis.regimes.limit_orbits import IterateWithJacobian
 from remanent.analysis.regimes.long_runs import (
@@ -338,7 +337,7 @@ def _run_in_threads(
     results: list[tuple[IntArray, NamedArrays]] = []
     with StoppableThreads() as pool:
         futures = {pool.submit(work, chunk): chunk for chunk in chunks}
-        for done, future in enumerate(as_completed(futures), start=1):
+        for done, future in enumerate(as_finished(futures), start=1):
             results.append((futures[future], future.result()))
             if report is not None:
                 report(done / len(chunks))
