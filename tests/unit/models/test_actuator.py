@@ -14,9 +14,10 @@ from hypothesis import strategies as st
 
 from remanent._errors import InputError, InputWarning
 from remanent.models.actuator import Actuator
-from remanent.models.dissipation import Rayleigh
+from remanent.models.dissipation import Rayleigh, Zener
 from remanent.models.magnet import Magnet
 from remanent.models.materials.named import NeoHookean
+from remanent.models.temperature_shift import WLF
 
 
 def test_defaults_are_those_of_the_paper() -> None:
@@ -200,6 +201,14 @@ def test_a_batch_broadcasts() -> None:
         {"c": np.array([[1.0], [-1.0]]), "temperature": np.array([300.0, np.nan, 200.0])}
     )
     assert bad.tolist() == [[False, True, False], [True, True, True]]
+
+
+def test_where_a_shift_of_temperature_has_no_value_nothing_is_valid() -> None:
+    """Law: the law of Williams, Landel and Ferry has a pole at T0 - c2, where motion freezes."""
+    block = Actuator(dissipation=Zener(1.0, 2.0, shift=WLF(8.0, 50.0)))
+    cold = {"temperature": np.array([293.0, 243.1, 243.0, 230.0])}
+    assert block.where_invalid(cold).tolist() == [False, False, True, True]
+    assert not Actuator().where_invalid(cold).any()
 
 
 def test_building_an_actuator_needs_neither_sympy_nor_pint() -> None:

@@ -115,3 +115,11 @@ def test_runs_that_end_early_in_a_slow_period() -> None:
         duration=20.0,
     ).crossing_time  # fmt: skip
     np.testing.assert_allclose(times[0], constant, atol=1e-6)
+
+
+def test_what_is_left_of_the_window_is_asked_of_valid_points_only() -> None:
+    """Invariant: an invalid point beside others is a status, however short its run would be."""
+    ds = rm.frequency_response(
+        rm.Actuator(), rm.SineSquared(0.4, 1.0), [-5.0, 0.5], periods=10, discard=15.0
+    )
+    assert ds.status.values.tolist() == [rm.Status.INVALID, rm.Status.OK]

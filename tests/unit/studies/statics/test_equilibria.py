@@ -63,6 +63,8 @@ def test_errors_of_two_coordinates_are_those_of_one_where_they_are_equal() -> No
     off = abs(float(two.stretch_1[0]) - float(one.stretch[0]))
     assert off <= float(two.stretch_1_error[0]) + float(one.stretch_error[0])
     assert float(two.stretch_1_error[0]) < 1e-10
+    thickness, error = float(two.equilibrium_stretch[0]), float(two.equilibrium_stretch_error[0])
+    assert abs(thickness - float(one.equilibrium_stretch[0])) <= error < 1e-10
     modes = two.natural_frequency.values[0]
     near = np.abs(modes - float(one.natural_frequency[0]))
     assert near.min() <= two.natural_frequency_error.values[0][near.argmin()] + 1e-14

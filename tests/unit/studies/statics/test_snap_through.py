@@ -33,3 +33,12 @@ def test_bad_arguments_are_explained(fields: dict[str, object], message: str) ->
     given = {"actuator": rm.Actuator(), "parameter": "m", "parameter_range": (0.0, 1.0), **fields}
     with pytest.raises(InputError, match=message):
         rm.snap_through(**given)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("parameter", ["c", "prestress"])
+def test_a_load_that_is_held_can_be_read_back(parameter: str) -> None:
+    """Invariant: a result names its drive, but where it looks for the load itself."""
+    held = rm.snap_through(rm.Actuator(prestress=2.2), parameter, (0.5, 1.0), m=0.3)
+    assert rm.read_drive(held) == rm.Constant(0.3)
+    with pytest.raises(InputError, match="which drive"):
+        rm.read_drive(rm.snap_through(rm.Actuator(prestress=2.2), "m", (0.0, 5.0)))
