@@ -84,8 +84,9 @@ def test_from_a_new_file_to_netcdf(tmp_path: Path) -> None:
     assert (tmp_path / "mine.pdf").read_bytes().startswith(b"%PDF")
 
     loaded = rm.load(tmp_path / "mine.zarr")
-    study = read_study(file).study
-    xr.testing.assert_equal(loaded, study.result_of(study.grid.whole))
+    rows = slice(15, 30)  # of three chunks
+    again = read_study(file).study.result_of((rows, slice(None)))
+    xr.testing.assert_equal(loaded.isel(b=rows), again)
     rm.save(loaded, tmp_path / "mine.nc")
     xr.testing.assert_equal(rm.load(tmp_path / "mine.nc"), loaded)
 
