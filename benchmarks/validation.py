@@ -393,15 +393,17 @@ def _of_tests() -> Iterator[str]:
     )  # fmt: skip
     yield _table(["subpackage", "lines:", "ways out of branches:", "taken:"], rows)
     if mutants is not None:
-        yield _sentence_on_mutants(mutants["packages"]["in all"])
+        yield _sentence_on_mutants(mutants["at first"], mutants["packages"]["in all"])
 
 
-def _sentence_on_mutants(score: Mapping[str, Any]) -> str:
-    low, high = score["interval"]
+def _sentence_on_mutants(at_first: Mapping[str, Any], now: Mapping[str, Any]) -> str:
+    low, high = at_first["interval"]
     return (
-        f"Of {score['mutants']} random changes of the numeric core (`make mutants`) "
-        f"{score['equivalent']} change no result; of the others the tests notice "
-        f"{_percent(score['score'])} ({_percent(low)} to {_percent(high)} at 95 % confidence).\n"
+        f"Of {now['mutants']} random changes of the numeric core (`make mutants`) "
+        f"{now['equivalent']} change no result beyond its error. Of the others the tests noticed "
+        f"{_percent(at_first['score'])} when these were drawn ({_percent(low)} to "
+        f"{_percent(high)} at 95 % confidence), and {_percent(now['score'])} with the tests that "
+        "were written for those they had missed.\n"
     )
 
 

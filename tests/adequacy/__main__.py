@@ -46,13 +46,16 @@ def main(
         drawn = mutants.sample(copy, size=size, seed=seed)
         wanted = [m for m in drawn if not only or package_of(m.file) in only]
         _judge_sample(copy, wanted, covering, file, seconds=seconds, again=again)
-    found = verdicts.read(file)
-    sample = [found[mutant.name] for mutant in drawn if mutant.name in found]
+    found, at_first = verdicts.read(file), verdicts.read(file, first=True)
+    names = [mutant.name for mutant in drawn if mutant.name in found]
+    sample = [found[name] for name in names]
     table = verdicts.scores(sample)
     for package, row in table.items():
         click.echo(f"{package:12} " + "  ".join(f"{key} {value}" for key, value in row.items()))
     if save:
-        _save({"seed": seed, "seconds": seconds, "core": NUMERIC_CORE, "packages": table}, sample)
+        before = verdicts.scores([at_first[name] for name in names])["in all"]
+        about = {"seed": seed, "seconds": seconds, "core": NUMERIC_CORE, "at first": before}
+        _save({**about, "packages": table}, sample)
 
 
 def _judge_sample(

@@ -69,12 +69,12 @@ def append(file: Path, new: Finding) -> None:
         stream.write(json.dumps(asdict(new), ensure_ascii=False) + "\n")
 
 
-def read(file: Path) -> dict[str, Finding]:
-    """The last finding about each mutant."""
+def read(file: Path, *, first: bool = False) -> dict[str, Finding]:
+    """The last finding about each mutant, or the first, before tests were written for it."""
     if not file.exists():
         return {}
-    lines = (json.loads(line) for line in file.read_text("utf-8").splitlines())
-    return {line["mutant"]: Finding(**line) for line in lines}
+    lines = [json.loads(line) for line in file.read_text("utf-8").splitlines()]
+    return {line["mutant"]: Finding(**line) for line in (reversed(lines) if first else lines)}
 
 
 def equivalent_mutants() -> dict[tuple[str, str, str], str]:

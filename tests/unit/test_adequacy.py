@@ -69,13 +69,15 @@ def test_a_score_leaves_out_what_is_equivalent_and_counts_what_no_test_runs(
 
 
 def test_findings_are_kept_and_the_last_of_a_mutant_counts(tmp_path: Path) -> None:
-    """A survivor that is judged again has its new verdict."""
+    """A survivor that is judged again has its new verdict; the first one is not lost."""
     file = tmp_path / "new" / "mutants.jsonl"
     for verdict in (Verdict.SURVIVED, Verdict.KILLED):
         verdicts.append(file, found("models/a.py:1:4 A", verdict))
     verdicts.append(file, found("models/a.py:2:4 A", Verdict.SURVIVED))
     kept = verdicts.read(file)
     assert [one.verdict for one in kept.values()] == ["killed", "survived"]
+    at_first = verdicts.read(file, first=True)
+    assert {one.verdict for one in at_first.values()} == {"survived"}
 
 
 def test_the_tests_of_a_line_are_those_that_run_it_and_the_nearest_come_first() -> None:
