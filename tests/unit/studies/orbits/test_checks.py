@@ -35,3 +35,16 @@ def test_only_what_warms_without_exchange_is_refused() -> None:
         ens = lay_out_ensemble(WARM, DRIVE, {"heat.exchange": exchange})
         with pytest.raises(rm.InputError, match="exchange heat where its temperature is a state"):
             require_heat_exchange(ens)
+
+
+def test_without_a_box_orbits_are_looked_for_where_the_pages_say() -> None:
+    """Promise: stretches from 0.3 to 4, rates from -8 to 8, temperatures up to 5 K from outside."""
+    ens = lay_out_ensemble(WARM.replace(prestress=(0.1, 0.1), temperature=310.0), DRIVE)
+    bounds = require_state_box("state_box", None, ens).tolist()
+    assert dict(zip(ens.vector_field.state_names, bounds, strict=True)) == {
+        "stretch_1": [0.3, 4.0],
+        "stretch_1_rate": [-8.0, 8.0],
+        "stretch_2": [0.3, 4.0],
+        "stretch_2_rate": [-8.0, 8.0],
+        "body_temperature": [305.0, 315.0],
+    }

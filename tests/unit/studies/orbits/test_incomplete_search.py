@@ -92,3 +92,13 @@ def test_a_branch_is_numbered_where_there_are_several(count: int, names: list[st
     assert len(found) == 2
     assert found[0].startswith(f"{names[0]} at its first point was lost")
     assert found[1].startswith(f"{names[1]} at its last point has as many points as max_points")
+
+
+def test_damping_too_weak_to_bound_the_orbits_is_said() -> None:
+    """Within its error the energy does not fall over a period: orbits may be outside the box."""
+    body = rm.Actuator(dissipation=rm.Rayleigh(1e-9))
+    box = {"stretch": (0.8, 1.25), "stretch_rate": (-1.0, 1.0)}
+    ds = rm.periodic_orbits(body, rm.SineSquared(0.4, 30.0), state_box=box)
+    assert int(ds.orbits) == 1
+    assert int(ds.status) == rm.Status.INCOMPLETE
+    assert str(ds.reason.values) == "no bound of the energy of its orbits was found"

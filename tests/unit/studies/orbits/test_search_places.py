@@ -88,3 +88,15 @@ def test_what_is_inside_a_box_but_for_rounding() -> None:
             states = np.tile(middle, (3, 1))
             states[:, k] = box[k, bound] + outwards * width[k] * np.array([-0.1, 0.5e-9, 2e-9])
             assert is_inside_box(states, box).tolist() == [True, True, False]
+
+
+@pytest.mark.parametrize("known", [(0, LAST), (0, 1900), (200, LAST), (300, 301), (700, 700)])
+def test_possible_stretches_are_those_with_a_finite_energy(known: tuple[int, int]) -> None:
+    """Exact: from the first to the last stretch whose energy is known; without any, one alone."""
+    place, (low, high) = np.arange(LAST + 1), known
+    inside = (place >= low) & (place <= high)
+    levels = EnergyLevels(np.where(inside, 1.0, np.nan), np.ones(LAST + 1))
+    assert levels.possible_stretches == (_STRETCHES[low], _STRETCHES[high])
+    nowhere = EnergyLevels(np.full(LAST + 1, np.nan), np.ones(LAST + 1))
+    lowest, highest = nowhere.possible_stretches
+    assert lowest == highest

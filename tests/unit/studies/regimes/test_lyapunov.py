@@ -113,3 +113,13 @@ def test_constant_loads_by_name_have_exponents_over_a_duration(loads: DriveArgum
     assert float(ds.time[-1]) == 40.0
     with pytest.raises(rm.InputError, match="be left out where the load changes"):
         rm.lyapunov(linear, {"push": rm.Sine(0.1, 1.0)}, duration=40.0)
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4])
+def test_memory_is_asked_for_all_factors_of_the_tangents(count: int) -> None:
+    """Law: k exponents take k^2 numbers of 8 bytes in each period of both runs, at least."""
+    with pytest.raises(rm.InputError, match="about") as refusal:
+        rm.lyapunov(rm.Actuator(prestress=(0.1, 0.1)), DRIVE, periods=2**40, count=count)
+    needed = float(str(refusal.value).split("about ")[1].split()[0])
+    least = 2 * 8 * count**2 * 2**40 / 2**30
+    assert least <= needed <= 2 * least
