@@ -95,6 +95,36 @@ def test_a_function_without_zeros_has_none() -> None:
     assert not len(found.starts) + len(found.unresolved) + len(found.flat)
 
 
+def test_parallel_lines_are_excluded_at_once() -> None:
+    """x = y and x - y = 1e-3: their difference is 1e-3 everywhere, which one look at a cell shows.
+
+    Each component alone vanishes in many cells.
+    """
+
+    def lines(points: FloatArray, _: float, __: IntArray | None) -> Sample:
+        difference = points[:, 0] - points[:, 1]
+        slope = np.tile([[1.0, -1.0], [1.0, -1.0]], (len(points), 1, 1))
+        value = np.column_stack([difference, difference - 1e-3])
+        ones = np.ones(len(points))
+        return Sample(value, slope, 1e-15 * ones, ones.astype(np.int64))
+
+    edges = [np.linspace(-1.0, 1.0, 10), np.linspace(-1.0, 1.0, 9)]
+    found = zeros_by_cells(lines, edges, flatness=1e-12, max_effort=30_000)
+    assert not len(found.starts) + len(found.unresolved) + len(found.flat)
+    assert found.effort == 72
+
+
+@pytest.mark.parametrize("factor", [1e-6, 1.0, 1e12])
+def test_zeros_do_not_depend_on_the_unit_of_the_function(factor: float) -> None:
+    """c (z^3 - 1) has the roots of z^3 - 1, and takes as many evaluations."""
+    found = zeros(lambda z: (factor * (z**3 - 1.0), 3.0 * factor * z**2), flatness=1e-16)
+    starts = found.starts[:, 0] + 1j * found.starts[:, 1]
+    roots = np.exp(2j * np.pi * np.arange(3) / 3.0)
+    assert not len(found.unresolved)
+    assert np.abs(starts - roots[:, None]).min(axis=1).max() < 0.05
+    assert found.effort < 1000
+
+
 def test_a_circle_of_zeros_is_flat() -> None:
     """(r^2 - 1) times a point's direction vanishes along the unit circle."""
 
