@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import remanent as rm
+from remanent.models.physical_sizes import PhysicalSizes
 
 RATIO = {"shear_modulus": 1.2, "density": 0.9, "remanence": 1.3}
 #: Units of the body of other sizes over those of the actuator as it was built.
@@ -59,6 +60,16 @@ def test_a_body_of_other_sizes_moves_as_in_its_own_units(
     )
     if "heat" not in built:
         np.testing.assert_allclose(one.energy / STRESS, other.energy, atol=1e-8)
+
+
+def test_sizes_that_are_not_given_are_those_of_the_body_as_it_was_built() -> None:
+    """The sizes with nothing given change no rate: each of them is one."""
+    body = rm.Actuator(temperature=320.0, prestress=0.2)
+    plain, sized = (
+        rm.rates(body.replace(physical_sizes=sizes), rm.Constant(0.3))(0.0, [1.2, 0.4])
+        for sizes in (None, PhysicalSizes())
+    )
+    np.testing.assert_allclose(sized, plain, rtol=1e-13)
 
 
 @pytest.mark.slow

@@ -14,7 +14,7 @@ from remanent._instructions import program_cost
 from remanent.codegen.field import vector_field_for
 from remanent.codegen.formula_program import program_of_formula
 from remanent.derivation.expansion import expanded_sizes
-from remanent.derivation.linear_solve import nested_in_pair
+from remanent.derivation.linear_solve import nested_in_pair, solve_pair_expanded
 from remanent.models.formula import parse_formula
 
 #: A load that enters the rates at once.
@@ -246,3 +246,33 @@ def test_powers_are_counted_to_take_them_out_of_sums() -> None:
     assert {power.base for power in nested.atoms(sp.Pow) if power.exp.is_negative} == set()
     assert nested.has(inverse)
     assert sp.expand(nested.subs(inverse, 1 / (x * y)) - v / x**2 - v**2 / (x * y)) == 0
+
+
+def test_a_square_of_a_product_is_taken_once() -> None:
+    """x^2 v^2 is the square of x v, one multiplication less than a product of two squares."""
+    x, y, v = sp.symbols("x y v")
+    assert nested_in_pair(x**2 * v**2, (x, y, v)) == sp.Pow(x * v, 2, evaluate=False)
+    assert nested_in_pair(x * v, (x, y, v)) == x * v
+
+
+def test_cramers_rule_solves_the_equations() -> None:
+    """A x = b in whole numbers, for a matrix and right sides that vary with both coordinates."""
+    x, y, v = moving = sp.symbols("x y v")
+    matrix = sp.Matrix([[3 + x**2, x * y / 2], [x * y / 2, 2 + y**2]])
+    right = [x * v**2 - y, 5 * y / 3 + v / x]
+    definitions, solution = solve_pair_expanded(matrix, right, moving)
+    values = {x: sp.Rational(7, 5), y: sp.Rational(-3, 4), v: sp.Rational(5, 3)}
+    for symbol, meaning in definitions.items():
+        values[symbol] = sp.nsimplify(meaning.subs(values))
+    found = sp.Matrix([values[symbol] for symbol in solution])
+    assert matrix.subs(values) * found == sp.Matrix(right).subs(values)
+
+
+@pytest.mark.parametrize(("rest", "positive"), [(0.5, True), (-0.5, False), (-2.0, False)])
+def test_a_variable_is_positive_where_it_is_so_at_rest(rest: float, positive: bool) -> None:
+    """A rate 1/x keeps the sign of x, whichever it has at rest."""
+    system = rm.FirstOrderSystem(rates={"x": "1/x - x + load"}, rest={"x": rest})
+    (variable,) = vector_field_for(system, rm.Constant(0.0)).variables
+    assert variable.positive == positive
+    assert bool(system.where_admissible({}, rest))
+    assert not bool(system.where_admissible({}, -rest))

@@ -111,6 +111,23 @@ def test_an_observable_may_depend_on_the_load_itself() -> None:
     dense = acceleration(np.linspace(1e-3, 12.0, 20001))
     assert found.time.size == np.count_nonzero(dense[1:] * dense[:-1] < 0.0)
     np.testing.assert_allclose(acceleration(found.time), 0.0, atol=1e-9)
+    rate = (acceleration(found.time + 1e-5) - acceleration(found.time - 1e-5)) / 2e-5
+    np.testing.assert_allclose(found.rate, rate, rtol=0.0, atol=1e-6)
+    assert found.direction.tolist() == np.sign(rate).tolist()
+
+
+@pytest.mark.parametrize("value", [0.0, 0.3, -0.99, 0.99999])
+def test_the_load_alone_passes_a_value_upwards_and_downwards(value: float) -> None:
+    """sin 2 pi tau passes a value twice in each period, also where it turns beyond it at once."""
+    asked = problem(Oscillator(SINE, {}), (1.0, 0.0), 2.9, period=1.0)
+    found, _ = find_crossings(asked, "acceleration", value, tolerance=1e-11)
+    first = np.arcsin(value) / (2.0 * np.pi)
+    both = np.concatenate([np.arange(-1, 4) + first, np.arange(-1, 4) + 0.5 - first])
+    expected = np.sort(both[(both > 0.0) & (both < 2.9)])
+    steepness = 2.0 * np.pi * np.sqrt(1.0 - value**2)
+    np.testing.assert_allclose(found.time, expected, rtol=0.0, atol=1e-11 / steepness)
+    upwards = np.cos(2.0 * np.pi * expected) > 0.0
+    assert found.direction.tolist() == np.where(upwards, 1, -1).tolist()
 
 
 @pytest.mark.parametrize("value", [0.0, 0.3, 0.999, 0.99999999])

@@ -74,6 +74,22 @@ def test_tangents_are_complex_step_derivatives(field: Field) -> None:
             np.testing.assert_allclose(out[1 + k], expected, rtol=0, atol=200e-16 * 10 * scale)
 
 
+@pytest.mark.parametrize("directions", [0, 1, 2, 4, 7])
+@pytest.mark.parametrize("field", fields(), ids=["everything", "actuator"])
+def test_observables_do_not_depend_on_what_is_carried_along(field: Field, directions: int) -> None:
+    """All observables are bit for bit those of the field, however many tangents there are."""
+    rng = np.random.default_rng(6)
+    inputs = [x.real for x in values_of(field, rng)]
+    n, p = len(field.state_names), field.parameter_names[0]
+    carried = field_with_tangents(field, directions=directions, parameters=(p,))
+    tangents = rng.normal(size=(directions + 1) * n)
+    more = [*inputs[: 1 + n], *tangents, *inputs[1 + n :]]
+    programs = [(field.observable_and_rates, carried.observable_and_rates)]
+    programs += [(own, carried.observables[name]) for name, own in field.observables.items()]
+    for own, same in programs:
+        assert same(more, functions=np) == own(inputs, functions=np)
+
+
 def test_derivatives_of_an_observable() -> None:
     """Derivatives by states and parameters are those of a complex step."""
     field = vector_field_for(Actuator(), SineSquared(0.4, 1.2))

@@ -93,6 +93,15 @@ def test_parts_with_a_sign_are_known() -> None:
     assert sorted(found) == ["1 - x / j", "x - 2", "x - y"]
 
 
+@pytest.mark.parametrize(
+    ("name", "is_known"), [("a", False), ("j", False), ("q", False), ("z", False), ("pi", True)]
+)
+def test_of_all_names_only_pi_is_positive_by_itself(name: str, is_known: bool) -> None:
+    """The logarithm of a number times a positive variable has a sign that must not change."""
+    found = parse_formula(f"log({name}*x)").sign_sensitive_parts(frozenset("x"), frozenset("x"))
+    assert [part.text for part in found] == ([] if is_known else [f"{name} * x"])
+
+
 def test_size_is_bounded() -> None:
     """Length of the text and size of the exponents have limits, which are themselves allowed.
 

@@ -101,3 +101,14 @@ def test_only_values_of_a_model_have_a_table(value: Any) -> None:
     """A number or a class is no part of a model."""
     with pytest.raises(rm.InputError, match="plain data only"):
         to_plain_data(value)
+
+
+@pytest.mark.parametrize("length", [3, 200])
+def test_what_no_table_can_hold_is_shown_as_far_as_it_is_short(length: int) -> None:
+    """A kind of a few characters is in the message whole, a long one up to an ellipsis."""
+    kind = "k" * length
+    with pytest.raises(rm.InputError) as refusal:
+        from_plain_data({"kind": kind})
+    text = str(refusal.value)
+    assert (repr(kind) in text) == (length == 3)
+    assert ("k…" in text) == (length == 200)

@@ -106,6 +106,22 @@ def test_rates_and_observables_are_those_of_the_engine(tmp_path: Path) -> None:
             assert inside == bool(system.where_admissible({}, *coordinates)), name
 
 
+@pytest.mark.parametrize(
+    ("drive", "times"),
+    [
+        (rm.Steps([0.0, 0.5, 1.75], [0.1, 0.3, 0.2]), [0.5, 1.75]),
+        (rm.Ramp([0.0, 1.5, 3.75], [0.1, 0.4, 0.2]), [1.5, 3.75]),
+        (rm.Constant(0.2), []),
+    ],
+    ids=["steps", "ramp", "constant"],
+)
+def test_a_module_says_when_the_load_changes(drive: Drive, times: list[float]) -> None:
+    """The times after the start at which a piece of the load begins."""
+    source = page_model(rm.Actuator(), drive).field_source
+    (text,) = re.findall(r"^export const breaks = (\[.*\]);$", source, re.MULTILINE)
+    assert json.loads(text) == times
+
+
 def test_numbers_move_without_a_new_module(tmp_path: Path) -> None:
     """Law: every number that is not fixed enters as it is given: rates and period follow it."""
     rng = np.random.default_rng(2)

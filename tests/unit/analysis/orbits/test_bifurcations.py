@@ -115,6 +115,36 @@ def test_errors_of_equations_are_proportional_to_that_of_the_map() -> None:
     assert (errors[0] >= 1e-9).all()
 
 
+@dataclass(frozen=True)
+class Steep:
+    """x -> sin(k x) + a + b, whose derivative k cos(k x) is large and varies over 1/k."""
+
+    steepness: float
+    dimension: int = 1
+
+    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> MapImage:
+        assert iterate == 1
+        k, x = self.steepness, states[:, 0]
+        slope = (k * np.cos(k * x))[:, None, None]
+        image = (np.sin(k * x) + parameters.sum(axis=1))[:, None]
+        return MapImage(image, slope, np.ones((len(x), 1, 2)), np.full(len(x), EPS))
+
+
+@pytest.mark.parametrize("by_determinant", [False, True])
+@pytest.mark.parametrize("steepness", [1.0, 1e2, 1e4, 1e6, 1e8])
+def test_a_steep_map_has_the_derivative_of_its_bifurcation_to_many_digits(
+    steepness: float, by_determinant: bool
+) -> None:
+    """d(J - 1)/dx = -k^2 sin(k x) of x -> sin(k x), whatever k is."""
+    angle = np.array([0.3, 0.7, 1.1, 2.0])
+    unknown = np.column_stack([angle / steepness, np.zeros(4), np.zeros(4)])
+    equations = build_bifurcation_equations(
+        Steep(steepness), 1, "fold", np.ones(3), by_determinant=by_determinant
+    )
+    derivative = equations(unknown).extra_arrays["derivative"]
+    np.testing.assert_allclose(derivative[:, 1, 0], -(steepness**2) * np.sin(angle), rtol=1e-7)
+
+
 def bifurcation_curve(map_: Cusp | Quadratic, kind: str, guess: list[float]) -> FloatArray:
     """Points (x, a, b) of a curve of bifurcations within |x|, |a|, |b| < 2."""
     scale = np.ones(3)

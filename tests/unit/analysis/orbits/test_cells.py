@@ -15,12 +15,15 @@ from remanent.analysis.orbits.cells import (
     _with_curvature_of_neighbours,
     zeros_by_cells,
 )
+from remanent.analysis.orbits.flat_cells import may_be_flat
 
 #: A function of x and y as a complex one of z = x + i y, and its derivative.
 Holomorphic = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 
 
-def zeros(of: Holomorphic, *, flatness: float = 1e-8) -> CellSearchOutcome:
+def zeros(
+    of: Holomorphic, *, flatness: float = 1e-8, first_cells: tuple[int, int] = (10, 9)
+) -> CellSearchOutcome:
     def sample(points: FloatArray, _: float, __: IntArray | None) -> Sample:
         value, slope = of(points[:, 0] + 1j * points[:, 1])
         derivative = np.stack([slope, 1j * slope], axis=1)
@@ -31,7 +34,8 @@ def zeros(of: Holomorphic, *, flatness: float = 1e-8) -> CellSearchOutcome:
             np.ones(len(points), dtype=np.int64),
         )
 
-    edges = [np.linspace(-2.0, 2.0, 11), np.linspace(-2.1, 2.0, 10)]
+    columns, rows = first_cells
+    edges = [np.linspace(-2.0, 2.0, columns + 1), np.linspace(-2.1, 2.0, rows + 1)]
     return zeros_by_cells(sample, edges, flatness=flatness, max_effort=30_000)
 
 
@@ -43,6 +47,37 @@ def test_roots_of_unity_are_all_found(degree: int) -> None:
     roots = np.exp(2j * np.pi * np.arange(degree) / degree)
     assert not len(found.unresolved)
     assert np.abs(starts - roots[:, None]).min(axis=1).max() < 0.05
+
+
+@pytest.mark.parametrize("first_cells", [(1, 1), (1, 9), (10, 1)])
+def test_zeros_are_found_where_no_neighbour_tells_curvature(first_cells: tuple[int, int]) -> None:
+    """z^4 = 1 from cells as wide or as high as the box, which have no neighbour on that side."""
+    found = zeros(lambda z: (z**4 - 1.0, 4.0 * z**3), first_cells=first_cells)
+    starts = found.starts[:, 0] + 1j * found.starts[:, 1]
+    assert not len(found.unresolved)
+    assert np.abs(starts - 1j ** np.arange(4)[:, None]).min(axis=1).max() < 0.05
+
+
+@pytest.mark.parametrize("width", [1e-1, 1e-3, 1e-5])
+def test_the_error_that_is_asked_for_is_a_small_share_of_cells(width: float) -> None:
+    """Zeros of cos(30 x/width): in every round the error is below a tenth of half a cell."""
+    frequency, shares = 30.0 / width, []
+
+    def cosine(points: FloatArray, tolerance: float, _: IntArray | None) -> Sample:
+        half_width = 0.5 * np.diff(np.sort(points[:, 0])).min()
+        shares.append(tolerance / half_width)
+        ones = np.ones(len(points))
+        slope = -frequency * np.sin(frequency * points)
+        return Sample(
+            np.cos(frequency * points), slope[:, :, None], 1e-15 * ones, ones.astype(np.int64)
+        )
+
+    edges = [np.linspace(0.0, width, 11)]
+    found = zeros_by_cells(cosine, edges, flatness=0.0, max_effort=1e5)
+    exact = np.pi * (np.arange(9) + 0.5) / frequency  # up to 8.5 pi < 30
+    assert np.abs(found.starts - exact).min(axis=0).max() < 1e-2 * width
+    assert len(shares) > 1
+    assert max(shares) < 0.1
 
 
 @pytest.mark.parametrize("apart", [1e-1, 1e-3, 1e-5])
@@ -58,6 +93,36 @@ def test_a_function_without_zeros_has_none() -> None:
     """The exponential function vanishes nowhere."""
     found = zeros(lambda z: (np.exp(z), np.exp(z)))
     assert not len(found.starts) + len(found.unresolved) + len(found.flat)
+
+
+def test_parallel_lines_are_excluded_at_once() -> None:
+    """x = y and x - y = 1e-3: their difference is 1e-3 everywhere, which one look at a cell shows.
+
+    Each component alone vanishes in many cells.
+    """
+
+    def lines(points: FloatArray, _: float, __: IntArray | None) -> Sample:
+        difference = points[:, 0] - points[:, 1]
+        slope = np.tile([[1.0, -1.0], [1.0, -1.0]], (len(points), 1, 1))
+        value = np.column_stack([difference, difference - 1e-3])
+        ones = np.ones(len(points))
+        return Sample(value, slope, 1e-15 * ones, ones.astype(np.int64))
+
+    edges = [np.linspace(-1.0, 1.0, 10), np.linspace(-1.0, 1.0, 9)]
+    found = zeros_by_cells(lines, edges, flatness=1e-12, max_effort=30_000)
+    assert not len(found.starts) + len(found.unresolved) + len(found.flat)
+    assert found.effort == 72
+
+
+@pytest.mark.parametrize("factor", [1e-6, 1.0, 1e12])
+def test_zeros_do_not_depend_on_the_unit_of_the_function(factor: float) -> None:
+    """c (z^3 - 1) has the roots of z^3 - 1, and takes as many evaluations."""
+    found = zeros(lambda z: (factor * (z**3 - 1.0), 3.0 * factor * z**2), flatness=1e-16)
+    starts = found.starts[:, 0] + 1j * found.starts[:, 1]
+    roots = np.exp(2j * np.pi * np.arange(3) / 3.0)
+    assert not len(found.unresolved)
+    assert np.abs(starts - roots[:, None]).min(axis=1).max() < 0.05
+    assert found.effort < 1000
 
 
 def test_a_circle_of_zeros_is_flat() -> None:
@@ -146,3 +211,18 @@ def test_cells_learn_curvature_from_those_that_they_touch() -> None:
     exact = np.maximum(curvature, np.where(touching, known, 0.0).max(axis=1))
     found = _with_curvature_of_neighbours(cells, edges).curvature
     np.testing.assert_array_equal(found, np.broadcast_to(exact[:, None, None, None], found.shape))
+
+
+@pytest.mark.parametrize("bend", [0.0, 1e6])
+@pytest.mark.parametrize("share", [0.5, 1e-3])
+def test_a_wide_cell_is_no_place_for_a_curve_alone(bend: float, share: float) -> None:
+    """x vanishes along a line, which may be all that a small cell holds, but not half the box."""
+    sample = Sample(
+        np.zeros((1, 2)), np.array([[[1.0, 0.0], [0.0, 0.0]]]), np.array([1e-15]),
+        np.ones(1, dtype=np.int64),
+    )  # fmt: skip
+    curvature = np.full((1, 2, 2, 2), bend)
+    cells = Cells(
+        np.zeros((1, 2)), np.full((1, 2), share), sample, curvature, np.zeros(1, dtype=np.int64)
+    )
+    assert may_be_flat(cells, np.array([share])).tolist() == [share == 1e-3]

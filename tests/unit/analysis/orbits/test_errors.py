@@ -14,6 +14,7 @@ from remanent.analysis.orbits.curve_errors import errors_at_fixed_unknown
 from remanent.analysis.orbits.curves import CurvePoints
 from remanent.analysis.orbits.errors import OrbitErrors, orbit_errors
 from remanent.analysis.orbits.maps import MapImage
+from remanent.analysis.orbits.period_chain import PeriodChain
 from remanent.analysis.orbits.refinement import refine_orbits
 from remanent.analysis.orbits.stability import Stability, floquet_multipliers, orbit_stability
 
@@ -177,6 +178,85 @@ def test_refinement_goes_on_until_the_error_is_that_of_rounding() -> None:
     found = refine_orbits(lambda _: FOLD, 0, np.sqrt(p) + 5e-3, p, 1, 1e-14)
     assert (np.abs(found.state - np.sqrt(p)) <= found.state_error).all()
     assert found.error.max() < 1e-14
+
+
+def test_refinement_does_not_go_to_an_orbit_far_away() -> None:
+    """x -> x + p - x², fixed at √p: a point 0.05 from it stays where it is, one 0.005 does not."""
+    p = np.linspace(0.5, 2.0, 20)[:, None]
+    for off, moves in ((0.05, False), (5e-3, True)):
+        start = np.sqrt(p) + off
+        found = refine_orbits(lambda _: FOLD, 0, start, p, 1, 1e-14)
+        assert ((found.state != start) == moves).all()
+
+
+@dataclass(frozen=True)
+class OneMatrix:
+    """A linear map of whose matrix the errors are given."""
+
+    matrix: FloatArray
+    matrix_error: FloatArray
+    dimension: int = 2
+
+    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> MapImage:
+        assert iterate == 1
+        count = len(states)
+        jacobian, error = (np.tile(m, (count, 1, 1)) for m in (self.matrix, self.matrix_error))
+        zero = np.zeros(states.shape)
+        image = states @ self.matrix.T
+        return MapImage(image, jacobian, np.zeros((count, 2, 0)), zero[:, 0], zero, error)
+
+    def chain(self, periods: int) -> PeriodChain:
+        return PeriodChain.along(self, np.ones((1, 2)), np.zeros((1, 0)), periods)
+
+
+@pytest.mark.parametrize("periods", [1, 3])
+def test_rounding_of_jacobians_goes_with_their_size(periods: int) -> None:
+    """A matrix c A without any other error: that of its power goes with the power of c."""
+    matrix = np.array([[0.5, 1.0], [-2.0, 0.3]])
+    found = OneMatrix(matrix, np.zeros((2, 2))).chain(periods).jacobian_error
+    larger = OneMatrix(2.0**20 * matrix, np.zeros((2, 2))).chain(periods).jacobian_error
+    assert (found >= EPS * np.abs(np.linalg.matrix_power(matrix, periods))).all()
+    np.testing.assert_allclose(larger, 2.0 ** (20 * periods) * found, rtol=1e-12)
+
+
+def test_entries_without_an_error_have_a_share_of_those_by_the_same_variable() -> None:
+    """Derivatives by x are known to 1e-6, those by y to 1e-9, as far as one of each pair tells."""
+    error = OneMatrix(np.eye(2), np.diag([1e-6, 1e-9])).chain(1).jacobian_error[0]
+    np.testing.assert_allclose(np.diag(error), [1e-6, 1e-9], rtol=1e-5)
+    assert 1e-8 < error[1, 0] < 1e-6
+    assert 1e-11 < error[0, 1] < 1e-9
+
+
+@pytest.mark.parametrize("slope", [0.0, 0.1, 1.0, -30.0])
+def test_of_a_straight_curve_the_error_at_a_fixed_parameter_is_that_of_the_equation(
+    slope: float,
+) -> None:
+    """x - s p = 0, known to d: at fixed p, x is known to d, whatever the slope s is."""
+    p, error = np.linspace(0.0, 1e-3, 5), 1e-4
+    points = CurvePoints(
+        np.stack([slope * p, p], axis=1),
+        np.tile([slope, 1.0], (5, 1)) / np.hypot(slope, 1.0),
+        np.zeros(5), np.full(5, error),
+        {"derivative": np.tile([[1.0, -slope]], (5, 1, 1)), "value": np.zeros((5, 1))},
+    )  # fmt: skip
+    found = errors_at_fixed_unknown(points, np.full((5, 1), error), np.ones(2), 1)
+    np.testing.assert_allclose(found[:, 0], error, rtol=1e-9)
+
+
+def test_errors_at_a_fixed_parameter_do_not_depend_on_units() -> None:
+    """x² = p in units of x and p that are powers of two: errors are the same numbers of units."""
+    x = np.linspace(0.1, 0.3, 6)
+    tangent = np.stack([np.ones(6), 2.0 * x], axis=1)
+    tangent /= np.linalg.norm(tangent, axis=1)[:, None]
+    derivative = np.stack([2.0 * x, -np.ones(6)], axis=1)[:, None, :]
+    found = []
+    for scale in (np.ones(2), np.array([2.0**6, 2.0**-3])):
+        extra = {"derivative": derivative / scale, "value": np.zeros((6, 1))}
+        points = CurvePoints(
+            np.stack([x, x**2], axis=1) * scale, tangent, np.zeros(6), np.full(6, 1e-3), extra
+        )
+        found.append(errors_at_fixed_unknown(points, np.full((6, 1), 1e-3), scale, 1) / scale)
+    np.testing.assert_allclose(found[1], found[0], rtol=1e-13)
 
 
 @pytest.mark.parametrize("dimension", [2, 3, 4])

@@ -58,3 +58,23 @@ def test_no_turn_between_two_points_is_overlooked() -> None:
     """z^n turns n/4 times along each side, whose ends may have equal values."""
     for degree in range(1, 33):
         assert winding(sampled(np.zeros(degree) * 1j)) == degree
+
+
+def test_turns_that_both_ends_of_a_side_hide_are_seen() -> None:
+    """exp(y + i pi x (1 - y)) vanishes nowhere; it turns twice along the lowest side.
+
+    There it is 1/e at both ends, with a rate along the imaginary axis alone.
+    """
+
+    def sample(points: FloatArray, _: float, __: IntArray | None) -> Sample:
+        x, y = points.T
+        value = np.exp(y + 1j * np.pi * x * (1.0 - y))
+        slope = np.stack([1j * np.pi * (1.0 - y) * value, (1.0 - 1j * np.pi * x) * value], axis=1)
+        return Sample(
+            np.column_stack([value.real, value.imag]),
+            np.stack([slope.real, slope.imag], axis=1),
+            np.full(len(points), 1e-14),
+            np.ones(len(points), dtype=np.int64),
+        )
+
+    assert winding(sample) == 0

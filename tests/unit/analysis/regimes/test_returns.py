@@ -100,6 +100,18 @@ def test_the_limit_is_not_looked_for_far_from_the_motion() -> None:
     assert near.largest_multiplier_modulus[1] == pytest.approx(4.0)
 
 
+@pytest.mark.parametrize("unit", [1e-3, 1.0, 1e3])
+def test_how_far_the_limit_is_looked_for_goes_with_the_extent_of_the_motion(unit: float) -> None:
+    """x/2, in whatever unit: 0 is 1.5 extents from one state, 5 from the other."""
+
+    def iterate(_: IntArray, states: FloatArray, __: int) -> tuple[FloatArray, FloatArray]:
+        return 0.5 * states, np.full((len(states), 1, 1), 0.5)
+
+    states = unit * np.array([[1.5], [5.0]])
+    found = find_limit_orbits(iterate, np.arange(2), states, 1, extent=np.full(2, unit))
+    assert found.has_converged.tolist() == [True, False]
+
+
 def test_attractors_are_sorted_by_their_visitors() -> None:
     """Two orbits of period 2, seen at different phases, and a third motion that is lost."""
     a, b = np.tile([0.0, 1.0], 8), np.tile([5.0, 6.0], 8)
@@ -122,6 +134,14 @@ def test_the_limit_is_approached_at_the_rate_of_its_multiplier(
     """x <- 0.9 x tends to 0 at the rate ln 0.9, and at no other."""
     rate = np.array([np.log(multiplier)])
     found = approaches_at_multiplier_rate(decaying(0.9), np.zeros((1, 1)), 1, rate)
+    assert found.tolist() == [approaches]
+
+
+@pytest.mark.parametrize(("points", "approaches"), [(2, False), (6, True), (9, True)])
+def test_a_handful_of_points_shows_the_rate_of_approach(points: int, approaches: bool) -> None:
+    """x <- x/2 falls by 2^5 over six points; two points have some rate whatever the motion is."""
+    rate = np.array([np.log(0.5)])
+    found = approaches_at_multiplier_rate(decaying(0.5, points), np.zeros((1, 1)), 1, rate)
     assert found.tolist() == [approaches]
 
 

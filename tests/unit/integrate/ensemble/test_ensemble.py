@@ -11,11 +11,12 @@ import sympy as sp
 from remanent._load_schedule import LoadSchedule
 from remanent._status import Status
 from remanent.integrate.ensemble.best_attempts import BestAttempts
+from remanent.integrate.ensemble.counts import counts_of_double_steps
 from remanent.integrate.ensemble.ensemble import integrate
-from remanent.integrate.ensemble.pool import PendingTrajectories
+from remanent.integrate.ensemble.pool import PendingTrajectories, divide_into_chunks
 from remanent.integrate.ensemble.problem import Outcome, Problem, Request
 from remanent.integrate.ensemble.resolution import round_up_resolution
-from remanent.integrate.ensemble.work_sizes import WorkSizes
+from remanent.integrate.ensemble.work_sizes import DEFAULT_WORK_SIZES, WorkSizes
 from remanent.integrate.events import find_crossings
 from tests.unit.integrate.handmade import SINE, Oscillator, Q, V, problem
 
@@ -362,3 +363,17 @@ def test_velocity_is_the_rate_of_position() -> None:
     states = integrate(problem(free, (1.0, 2.0), 5.0), Request(times=times), tolerance=1e-9).states
     assert states is not None
     np.testing.assert_allclose(states[0, :, 0], 1.0 + 2.0 * times[0], rtol=0, atol=1e-13)
+
+
+def test_trajectories_that_are_run_together_take_as_many_steps() -> None:
+    """Runs of different lengths at two resolutions: each in one chunk, with others of its steps."""
+    rng = np.random.default_rng(9)
+    asked = problem(RUNAWAY, np.zeros((60, 2)), rng.uniform(0.5, 4.0, 60))
+    resolution = rng.choice([8, 16], 60)
+    pending = PendingTrajectories(np.arange(60), resolution)
+    chunks = [*divide_into_chunks(asked, pending, 4, 2, DEFAULT_WORK_SIZES)]
+    assert sorted(np.concatenate([chunk.indices for chunk in chunks]).tolist()) == [*range(60)]
+    for chunk in chunks:
+        assert (resolution[chunk.indices] == chunk.resolution).all()
+        steps = counts_of_double_steps(asked.load_schedule, chunk.resolution, chunk.indices)
+        assert np.ptp(steps) == 0

@@ -189,6 +189,27 @@ def test_extremes_between_steps_are_those_of_the_solution() -> None:
     assert (outcome.error <= 1e-10).all()
 
 
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-11])
+def test_extremes_count_from_the_start(tolerance: float) -> None:
+    """Of A cn(w t) over less than a quarter of a turn: A at once, and the least at the end."""
+    asked = problem(DUFFING, (1.3, 0.0), 0.4)
+    outcome = integrate(asked, Request(wants_extremes=True), tolerance=tolerance)
+    w = math.sqrt(1.0 + 2.0 * 1.69)
+    least = 1.3 * ellipj(w * 0.4, 1.69 / w**2)[1]
+    assert abs(outcome.maximum[0] - 1.3) <= outcome.error[0] + 1e-14
+    assert abs(outcome.minimum[0] - least) <= outcome.error[0] + 1e-14
+    np.testing.assert_allclose([outcome.maximum_time, outcome.minimum_time], [[0.0], [0.4]])
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-11])
+def test_extremes_of_what_becomes_infinite_have_no_horizon_beyond(tolerance: float) -> None:
+    """q'' = 6 q^2 from (1, 2) is 1/(1 - t)^2: it never turns, and is infinite at t = 1."""
+    asked = problem(Oscillator(6 * Q**2, {}), (1.0, 2.0), 3.0)
+    outcome = integrate(asked, Request(wants_extremes=True), tolerance=tolerance)
+    assert 0.9 < outcome.horizon[0] < 1.0
+    assert np.isnan(outcome.maximum[0])
+
+
 def test_strobe_takes_the_state_after_whole_cycles() -> None:
     """Strobed states are those at multiples of the period, counted, for any stride."""
     asked = problem(LINEAR, (0.3, -0.2), 60 * 2.7, period=2.7)

@@ -215,3 +215,33 @@ def test_calls_of_the_machine_code_change_no_bit(monkeypatch: pytest.MonkeyPatch
     np.testing.assert_array_equal(parts.state, whole.state)
     np.testing.assert_array_equal(parts.tangents, whole.tangents)
     np.testing.assert_array_equal(parts.visited_states, whole.visited_states)
+
+
+def test_a_map_carries_derivatives_only_along_what_it_is_given() -> None:
+    """q'' = -q over a time t: none, d/dq(0) = (cos t, -sin t), and d/dv(0) = (sin t, cos t)."""
+    field, length = Oscillator(-Q, {}).field(), np.array([0.7])
+    exact = np.array([[np.cos(0.7), -np.sin(0.7)], [np.sin(0.7), np.cos(0.7)]])
+    flows = [PeriodMap(field, turning)]
+    flows += [PeriodMap(field, turning, directions=count) for count in (1, 2)]
+    for count, flow in enumerate(flows):
+        image = flow(np.array([[0.3, 0.1]]), np.zeros((1, 0)), length, tolerance=1e-12)
+        assert image.tangents.shape == (1, count, 2)
+        np.testing.assert_allclose(image.tangents[0], exact[:count], rtol=0.0, atol=1e-11)
+
+
+def test_the_coarse_solution_is_rounded_to_as_many_digits_less_as_its_method_says() -> None:
+    """At rest in [1, 1.9] the two solutions differ by up to half of 2^b units of the last digit."""
+    flow = PeriodMap(Oscillator(0.0 * Q, {}).field(), turning)
+    rest = np.random.default_rng(8).uniform(1.0, 1.9, 400)
+    image = flow(
+        np.column_stack([rest, np.zeros(400)]), np.zeros((400, 0)), np.ones(400),
+        tolerance=np.inf, resolution=8,
+    )  # fmt: skip
+    method = flow.kernel.method
+    safety = flow.kernel.options.error_safety_factor
+    error_per_difference = safety / (2.0**method.order_assumed_by_error_estimate - 1.0)
+    assert image.last_state_error is not None
+    np.testing.assert_array_equal(image.state[:, 0], rest)
+    difference = np.abs(image.last_state_error[:, 0]) / error_per_difference
+    half_unit = 0.5 * 2.0**method.coarse_solution_lost_bits * np.finfo(float).eps
+    assert 0.9 * half_unit < difference.max() <= half_unit * (1.0 + 1e-9)
