@@ -31,3 +31,19 @@ def test_the_cut_off_is_what_the_highest_coefficients_move(top: float) -> None:
     assert disturbed.cut_off == pytest.approx(abs(disturbed.place - top), abs=1e-13)
     assert disturbed.cut_off > 1e-4
     assert disturbed.error >= disturbed.cut_off
+
+
+@pytest.mark.parametrize("top", [-0.6, 0.1])
+def test_noise_moves_the_top_by_what_the_highest_coefficients_show(top: float) -> None:
+    """Law: the root mean square of the seen noise is that of how far random errors move the top."""
+    rng = np.random.default_rng(7)
+    smooth = 1.0 - (NODES - top) ** 2
+    tops = [
+        top_of_polynomials(NODES, smooth + 1e-6 * rng.standard_normal(NODES.size), 0.0)
+        for _ in range(150)
+    ]
+    found = [one for one in tops if one is not None]
+    assert len(found) == len(tops)
+    moved = np.sqrt(np.mean([(one.place - top) ** 2 for one in found]))
+    seen = np.sqrt(np.mean([one.seen_noise**2 for one in found]))
+    assert seen == pytest.approx(moved, rel=0.25)

@@ -124,3 +124,24 @@ def test_a_body_that_is_at_rest_at_the_target_stays() -> None:
     assert float(ds.residual_amplitude) < 1e-9
     assert np.isnan(float(ds.rise_time))
     assert "no change" in str(ds.reason.values)
+
+
+def half_period(target: float) -> float:
+    """Duration of the first step to a target, without damping and at the reference temperature.
+
+    With x the thickness stretch, t = x^(-1/2) and an in-plane stretch s between 1 and t, energy
+    gives ds/dtime, and s = 1 + (t - 1)(1 - cos a)/2 leaves a smooth periodic function of a.
+    """
+    angle = np.pi * (np.arange(200) + 0.5) / 200.0
+    t = target**-0.5
+    s = 1.0 + 0.5 * (t - 1.0) * (1.0 - np.cos(angle))
+    slowness = s**2 * np.sqrt((1.0 + 2.0 * s**-6) / (3.0 * (1.0 + s) * (s + t)))
+    return float(np.pi * np.mean(slowness / np.sqrt(s**2 + 0.5 * target)))
+
+
+@pytest.mark.parametrize("target", [1.5, 2.5])
+def test_the_error_of_a_switch_time_is_above_the_true_one_but_not_far(target: float) -> None:
+    """Law: the stated error is between once and a hundred times what the time is off by."""
+    found = rm.shape_commands(rm.Actuator(), target, tolerance=1e-5)
+    off = abs(float(found.switch_time) - half_period(target))
+    assert 1e-10 < off <= float(found.switch_time_error) < 100.0 * off

@@ -97,6 +97,16 @@ def test_initial_states_can_be_varied() -> None:
     assert_bits(ds.isel({"initial.stretch_rate": 1}), simulated(initial=(1.0, 0.5)))
 
 
+def test_a_given_temperature_of_the_body_is_that_at_every_surrounding_temperature() -> None:
+    """A whole initial state is that of all trajectories; what it leaves out is at rest."""
+    body = rm.Actuator(heat=rm.Heat(2e-4, 0.3))
+    over = {"temperature": [293.0, 310.0]}
+    whole = lay_out_ensemble(body, DRIVE, over, (1.1, 0.5, 340.0))
+    np.testing.assert_array_equal(whole.initial_states, [[1.1, 0.5, 340.0]] * 2)
+    part = lay_out_ensemble(body, DRIVE, over, (1.1, 0.5))
+    np.testing.assert_array_equal(part.initial_states, [[1.1, 0.5, 293.0], [1.1, 0.5, 310.0]])
+
+
 def test_a_single_value_keeps_its_dimension() -> None:
     """A number or a list of one is a dimension of length one; no `over`, no dimension."""
     assert simulated(over={"c": 0.5}).error.dims == ("c",)

@@ -94,6 +94,19 @@ def test_no_error_is_not_zero() -> None:
     assert "states no error" in spread.attrs["errors"]
 
 
+def test_a_verb_for_one_set_of_values_has_them_in_its_system_and_its_drive() -> None:
+    """Law: each value goes to the field of its name, of the body or of the drive."""
+
+    def product(body: rm.Actuator, drive: rm.SineSquared) -> float:
+        return 1e4 * body.c + 100.0 * drive.b + drive.omega
+
+    columns = {"omega": [1.0, 2.0], "c": [0.5, 0.25], "b": [0.1, 0.7]}
+    values = rm.Measure(product, BODY, DRIVE).values_at(columns)
+    np.testing.assert_allclose(values, [5011.0, 2572.0], rtol=1e-14)
+    only = rm.Measure(product, BODY, drive=DRIVE).values_at({"omega": [3.0]})
+    np.testing.assert_allclose(only, [1e4 + 40.0 + 3.0], rtol=1e-14)
+
+
 def test_unknown_arguments_are_refused_at_once() -> None:
     """A misspelt option, and one that is missing, before anything is computed."""
     with pytest.raises(rm.InputError, match="tolerence"):

@@ -120,6 +120,34 @@ def test_motion_from_rest_runs_between_the_turning_points() -> None:
     assert (ds.turning_upper - ds.turning_lower > 0.05).values.tolist() == [True, True, False, True]
 
 
+def test_turning_points_of_a_block_from_rest_have_a_closed_form() -> None:
+    """Law: without prestress x turns where m = (x - 1)(x + 2)/(2x), within the stated error."""
+    loads = np.array([-0.4, -0.02, 0.05, 0.3, 1.0])
+    ds = rm.equilibria(rm.Actuator(), over={"m": loads})
+    turn = 0.5 * (2.0 * loads - 1.0 + np.sqrt((2.0 * loads - 1.0) ** 2 + 8.0))
+    for name, exact in (("lower", np.minimum(turn, 1.0)), ("upper", np.maximum(turn, 1.0))):
+        off = np.abs(ds[f"turning_{name}"] - exact)
+        error = ds[f"turning_{name}_error"]
+        assert (off <= error + 4e-16 * exact).all()
+        assert (error < 1e-12).all()
+
+
+def test_where_nothing_holds_a_force_there_is_no_eigenvalue_and_no_stability() -> None:
+    """Law: x'' = f - x^2 rests at +-sqrt(f), with eigenvalues +-sqrt(-2x), and nowhere if f < 0."""
+    system = rm.LagrangianSystem(
+        coordinates="x",
+        kinetic="x_rate**2/2",
+        potential="x**3/3 - force*x",
+        loads=("force",),
+    )
+    ds = rm.equilibria(system, over={"force.m": [-1.0, 1.0]}, state_box={"x": (-3.0, 3.0)})
+    np.testing.assert_allclose(ds.x, [[np.nan, np.nan], [-1.0, 1.0]], atol=1e-14)
+    assert np.isnan(ds.eigenvalues[0]).all()
+    root = np.sqrt(2.0)
+    np.testing.assert_allclose(ds.eigenvalues[1], [[root, -root], [1j * root, -1j * root]])
+    assert ds.stability.values.tolist() == [["", ""], ["unstable", "stable"]]
+
+
 def test_the_error_of_a_zero_is_the_force_that_may_be_left_over_the_least_slope() -> None:
     """A force of 1 +- 0.1 (times 1e-12) with the slope -2 +- 0.5, and one of unknown sign."""
     force = RoundedDual(
