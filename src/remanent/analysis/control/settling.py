@@ -18,7 +18,7 @@ ResponseAndRateFunction = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 #: Parts into which the way between two turning points is cut at first.
 _FIRST_PARTS = 24
 #: Steps of Newton's method, kept within the bracket, that follow.
-_NEWTON_STEP_COUNT = 4
+_NEWTON_STEP_COUNT = 8
 
 
 @dataclass(frozen=True)
@@ -120,5 +120,5 @@ def locate_level_crossings(
         t = np.where(inside, moved, 0.5 * (low + high))
     value, rate = response(t)
     with np.errstate(all="ignore"):
-        miss = np.fmin(np.abs((value - levels) / rate), high - low)
+        miss = np.fmin(2.0 * np.abs((value - levels) / rate), high - low)  # half the way at a turn
     return LevelCrossings(*(np.where(known, column, np.nan) for column in (t, miss, value, rate)))
