@@ -10,7 +10,8 @@ from typing import Any
 import remanent as rm
 from tests.contracts.test_reference import METHODS, PUBLIC
 
-#: A line for each public name.  A change here is one that `CHANGELOG.md` tells.
+#: A line for each public name, which ``python -m tests.contracts.test_signatures`` writes.  A
+#: change here is one that `CHANGELOG.md` tells.
 SIGNATURES = Path(__file__).with_name("signatures.txt")
 
 
@@ -38,3 +39,7 @@ def test_arguments_and_defaults_are_those_promised() -> None:
     kept = SIGNATURES.read_text("utf-8").splitlines()
     assert signatures().splitlines() == kept
     assert len(kept) > len(rm.__all__)
+
+
+if __name__ == "__main__":
+    SIGNATURES.write_text(signatures(), encoding="utf-8")
