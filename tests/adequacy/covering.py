@@ -14,9 +14,10 @@ from coverage import CoverageData
 
 from tests.adequacy.core import PACKAGE, ROOT
 
-#: Tests that hold what runs at import, of every file.
+#: Tests that hold what runs at import, of every file: decorators, and defaults of arguments.
 _OF_EVERY_FILE: Final = (
     "tests/contracts/test_layout.py::test_values_of_the_numeric_core_do_not_change",
+    "tests/contracts/test_signatures.py::test_arguments_and_defaults_are_those_promised",
 )
 
 
