@@ -90,7 +90,9 @@ def main(
         def report(_state: object) -> None:
             running = client.cluster.workers.values()
             ids = [worker.process.pid for worker in running if worker.process is not None]
-            path.with_suffix(".workers").write_text(" ".join(map(str, ids)))
+            written = path.with_suffix(".workers.new")
+            written.write_text(" ".join(map(str, ids)))
+            written.replace(path.with_suffix(".workers"))  # so that it is read whole
 
         dask_engine.run_on_workers(
             store, client, (index, count), report, float(seconds) if seconds else None
