@@ -10,8 +10,8 @@ from typing import Any
 import remanent as rm
 from tests.contracts.test_reference import METHODS, PUBLIC
 
-#: A line for each public name, which ``python -m tests.contracts.test_signatures`` writes.  A
-#: change here is one that `CHANGELOG.md` tells.
+#: A line for each public function or class; ``python -m tests.contracts.test_signatures`` writes
+#: them.  A change here is one that `CHANGELOG.md` tells.
 SIGNATURES = Path(__file__).with_name("signatures.txt")
 
 
