@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import pickle
 import re
 from html import unescape
 from pathlib import Path
@@ -12,6 +14,7 @@ from xml.etree import ElementTree
 import h5py
 import numpy as np
 import pytest
+from filelock import FileLock
 from matplotlib.image import imread
 
 import remanent as rm
@@ -26,9 +29,27 @@ VERDICTS = {"supported", "contradicted", "depends"}
 SPLIT = {"3", "6", "8", "12", "14", "16", "17"}
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Paper, Path]:
-    """The report and its folder, on a coarser map of the unstated choices."""
+    """The report and its folder, on a coarser map of the unstated choices.
+
+    It is made once for all processes of a run of the tests, by the first that needs it.
+    """
+    shared = tmp_path_factory.getbasetemp()
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        shared = shared.parent
+    out, kept = shared / "paper", shared / "paper.pickle"
+    with FileLock(shared / "paper.lock"):
+        if not kept.exists():
+            reproduction = reproduce_coarsely()
+            write_report(reproduction, out)
+            kept.write_bytes(pickle.dumps(reproduction))
+    reproduction = pickle.loads(kept.read_bytes())  # noqa: S301 - written above
+    return reproduction, out
+
+
+def reproduce_coarsely() -> Paper:
+    """The paper on few of the values that the article leaves open."""
     with pytest.MonkeyPatch.context() as patch:
         coarse = {
             "REFERENCE_TEMPERATURES": [289.0, 293.0, 297.0],
@@ -37,10 +58,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Paper, Path]:
         }
         for name, values in coarse.items():
             patch.setattr(reconstruction, name, np.array(values))
-        reproduction = reproduce()
-    out = tmp_path_factory.mktemp("paper")
-    write_report(reproduction, out)
-    return reproduction, out
+        return reproduce()
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,6 @@ import math
 import os
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -23,13 +22,11 @@ from tests.unit.models.attacks import ATTACKS
 
 @pytest.mark.parametrize("name", ATTACKS)
 def test_anything_but_arithmetic_is_refused(name: str) -> None:
-    """At once, with the message of this package, by the parser and by the material."""
-    begun = time.process_time()
+    """With the message of this package, by the parser and by the material; nothing of it is run."""
     for call in (parse_formula, rm.StrainEnergy):
         with pytest.raises(InputError, match=r"`expression` must .*; got .*\. .* Write for") as e:
             call(ATTACKS[name])
         assert len(str(e.value)) < 500
-    assert time.process_time() - begun < 0.5
 
 
 @given(st.text(max_size=60))

@@ -9,7 +9,7 @@ import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Final
+from typing import Any, Final, TypeGuard
 
 import numpy as np
 import xarray as xr
@@ -225,11 +225,10 @@ def verb_function(verb: object) -> Callable[..., xr.Dataset]:
     InputError
         There is none that takes `over`.
     """
-    names = verbs_of_studies()
-    if not isinstance(verb, str) or verb not in names:
+    if not is_verb_of_studies(verb):
         raise InputError(
             "verb",
-            must=f"be one of {', '.join(names)}",
+            must=f"be one of {', '.join(verbs_of_studies())}",
             got=shortened_repr(verb),
             why="A study runs a verb that takes `over`.",
             fix="Check the name.",
@@ -239,14 +238,18 @@ def verb_function(verb: object) -> Callable[..., xr.Dataset]:
 
 
 def verbs_of_studies() -> list[str]:
-    """Names of the public verbs that take `over`."""
-    lower = (name for name in remanent.__all__ if name[0].islower() and name not in _OTHER_NAMES)
-    functions = ((name, getattr(remanent, name)) for name in sorted(lower))
-    return [
-        name
-        for name, function in functions
-        if inspect.isfunction(function) and "over" in inspect.signature(function).parameters
-    ]
+    """Names of the public verbs that take `over`; all of the package is imported for it."""
+    return [name for name in sorted(remanent.__all__) if is_verb_of_studies(name)]
+
+
+def is_verb_of_studies(name: object) -> TypeGuard[str]:
+    """Whether this is the name of a public verb that takes `over`; it alone is imported."""
+    if not isinstance(name, str) or name not in remanent.__all__:
+        return False
+    if not name[0].islower() or name in _OTHER_NAMES:
+        return False
+    function = getattr(remanent, name)
+    return inspect.isfunction(function) and "over" in inspect.signature(function).parameters
 
 
 #: Entries of an array that is an option of a study.

@@ -31,7 +31,7 @@ from remanent.studies.sweep.parts_of_file import (
     system_from_table,
 )
 from remanent.studies.sweep.sound_rest import usual_over, without_faults
-from remanent.studies.sweep.study import Study, verb_function, verbs_of_studies
+from remanent.studies.sweep.study import Study, is_verb_of_studies, verb_function, verbs_of_studies
 from remanent.studies.sweep.tables import Table, not_a_table_fault, read_table
 from remanent.studies.sweep.toml_text import faults_of_values, read_document
 from remanent.studies.sweep.values_over import no_fields_fault, option_from_value, over_from_table
@@ -179,8 +179,8 @@ def _refused_by_verb(verb: str, document: dict[str, Any], faults: Sequence[Fault
 
 def _known_verb(verb: object) -> str:
     """The name of a verb; what is no text, and what is missing, is told with the other keys."""
-    names = verbs_of_studies()
-    if isinstance(verb, str) and verb not in names:
+    if isinstance(verb, str) and not is_verb_of_studies(verb):
+        names = verbs_of_studies()
         raise FaultsError([
             Fault((), f"be one of {', '.join(names)}", shown(verb),
                   "A study runs a verb that takes `over`.",

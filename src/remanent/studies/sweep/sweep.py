@@ -18,7 +18,7 @@ from remanent.studies.ensemble.progress import ProgressArgument, as_progress
 from remanent.studies.sweep.dask_engine import run_on_workers
 from remanent.studies.sweep.run import Progress, run_here, writable_store
 from remanent.studies.sweep.sample import sample_on
-from remanent.studies.sweep.study import Study, verb_function, verbs_of_studies
+from remanent.studies.sweep.study import Study, is_verb_of_studies, verb_function
 
 
 def sweep(
@@ -107,7 +107,7 @@ def _name_of_verb(verb: object) -> str:
     if isinstance(verb, str):
         return verb
     name = str(getattr(verb, "__name__", shortened_repr(verb)))
-    if name in verbs_of_studies() and verb_function(name) is not verb:
+    if is_verb_of_studies(name) and verb_function(name) is not verb:
         raise InputError(
             "verb",
             must="be a verb of this package, or its name",

@@ -9,7 +9,6 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
-from scipy.stats import qmc
 
 from remanent._arrays import is_increasing
 from remanent._typing import FloatArray
@@ -202,6 +201,8 @@ def _require_increasing(values: NDArray[np.float64]) -> None:
 
 def _sobol_points(content: Mapping[str, Any], sizes: Sizes) -> dict[str, Any]:
     """Points of a scrambled Sobol' sequence in a box, all along one dimension."""
+    from scipy.stats import qmc  # a third of the start of a study that has none
+
     table = read_table(SobolPoints, content, "[over.sobol]")
     if not table.ranges:
         raise FaultsError([
