@@ -1,5 +1,6 @@
 // A figure as a file: the layers of a view drawn again by plotly.js, with titles and units.
 
+import { plotly } from "./charts_library.js";
 import { layoutOf } from "./heat.js";
 import { colours } from "./theme.js";
 import { titleForPlotly } from "./titles.js";
@@ -110,10 +111,11 @@ export async function figureFile(figure, format) {
   return typeof address === "string" ? blobOf(address) : address;
 }
 
-function plotlyAddress(figure, format) {
+async function plotlyAddress(figure, format) {
   const { width, height } = SIZE;
   const { data, layout } = plotlyFigure(figure);
-  return globalThis.Plotly.toImage({ data, layout, config: {} }, { format, width, height, scale: format === "png" ? 3 : 1 });
+  const library = await plotly();
+  return library.toImage({ data, layout, config: {} }, { format, width, height, scale: format === "png" ? 3 : 1 });
 }
 
 /** The bytes behind a data: address, without asking the network for them. */

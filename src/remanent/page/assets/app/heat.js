@@ -1,6 +1,7 @@
 // Charts over two quantities, drawn by plotly.js: categories or numbers in cells.
 
 import { keyEntry } from "./card.js";
+import { plotly } from "./charts_library.js";
 import { numberText } from "./numbers.js";
 import { REGIME_COLOURS, colours } from "./theme.js";
 import { FONT_FAMILY, harmless, titleForPlotly } from "./titles.js";
@@ -140,6 +141,9 @@ export function layoutOf(x, y, size = parseFloat(getComputedStyle(document.body)
   };
 }
 
+/** What each host is to show, for the time until plotly.js is there. */
+const newest = new WeakMap();
+
 /**
  * Draw a figure by plotly.js in a host, with a function for clicks on its cells; arrow keys move
  * from cell to cell, and Enter is a click.
@@ -148,9 +152,21 @@ export function layoutOf(x, y, size = parseFloat(getComputedStyle(document.body)
  * @param {function(number, number): void} pick called with column and row
  * @param {function(string): void} say reads words out
  */
-export function drawFigure(host, figure, pick, say) {
+export async function drawFigure(host, figure, pick, say) {
+  newest.set(host, figure);
+  let library = null;
+  try {
+    library = await plotly();
+  } catch ({ message }) {
+    host.textContent = message;
+    say(message);
+    return;
+  }
+  if (newest.get(host) !== figure) {
+    return;
+  }
   const config = { displayModeBar: false, responsive: false, doubleClick: "reset" };
-  globalThis.Plotly.react(host, figure.data, { ...figure.layout, ...sizeOf(host) }, config);
+  library.react(host, figure.data, { ...figure.layout, ...sizeOf(host) }, config);
   watchSize(host);
   host.removeAllListeners?.("plotly_click");
   host.on("plotly_click", ({ points }) => {
