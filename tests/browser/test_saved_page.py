@@ -1,4 +1,7 @@
-"""The page as one file: the same journeys, from a disk and with the network off."""
+"""The page as one file: the same journeys, from a disk and with the network off.
+
+Those that lead through the same modules as in the page of the server are slow tests here.
+"""
 
 from __future__ import annotations
 
@@ -55,6 +58,7 @@ def test_slider_moves_curves(visit: go.Watched) -> None:
     go.check_slider_moves_curves(visit.page)
 
 
+@pytest.mark.slow
 def test_bad_values_are_refused_in_words(visit: go.Watched) -> None:
     """What a rule refuses is told beside the field, and nothing moves."""
     go.check_bad_values_are_refused_in_words(visit.page)
@@ -65,16 +69,19 @@ def test_address_goes_back_and_forward(visit: go.Watched) -> None:
     go.check_address_goes_back_and_forward(visit.page)
 
 
+@pytest.mark.slow
 def test_click_starts_an_orbit(visit: go.Watched) -> None:
     """A click in the phase plane is the start of the next motion."""
     go.check_click_starts_an_orbit(visit.page)
 
 
+@pytest.mark.slow
 def test_keyboard_reaches_a_section(visit: go.Watched) -> None:
     """Keys alone lead to a section of one's own parameters."""
     go.check_keyboard_reaches_a_section(visit.page)
 
 
+@pytest.mark.slow
 def test_theme(visit: go.Watched) -> None:
     """Light and dark are chosen, and kept."""
     go.check_theme(visit.page)
@@ -141,7 +148,7 @@ def test_lines_and_equations_are_in_the_file(visit: go.Watched) -> None:
     assert "def rates" in page.inner_text("pre[aria-label='system.py']")
 
 
-@pytest.mark.parametrize("width", [360, 1440])
+@pytest.mark.parametrize("width", [360, pytest.param(1440, marks=pytest.mark.slow)])
 def test_no_sideways_scroll(browser: Browser, address: str, width: int) -> None:
     """A phone shows the file as a screen does."""
     viewport = {"width": width, "height": 800}

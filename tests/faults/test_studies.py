@@ -202,7 +202,7 @@ def test_other_code_is_refused(whole: Path, monkeypatch: pytest.MonkeyPatch) -> 
         pass
 
 
-@pytest.mark.parametrize("count", [40, pytest.param(1000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [20, pytest.param(1000, marks=pytest.mark.slow)])
 def test_every_damage_is_found(whole: Path, tmp_path: Path, count: int) -> None:
     """Bits flipped, files cut short and deleted; what is repaired is what was damaged."""
     path = _copied(whole, tmp_path)

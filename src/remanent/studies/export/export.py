@@ -10,6 +10,7 @@ from typing import Final
 from remanent._checks import require_choice
 from remanent._errors import InputError, shortened_repr
 from remanent._field import Role
+from remanent._typing import FloatArray
 from remanent.codegen.languages.auto07p import auto07p_files
 from remanent.codegen.languages.c import c_files
 from remanent.codegen.languages.javascript import javascript_files
@@ -22,7 +23,6 @@ from remanent.models.system import System
 from remanent.studies.ensemble.checks import DriveArgument
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import lay_out_ensemble
-from remanent.studies.export._starting_orbit import starting_orbit
 
 #: What writes the files of each language.
 _FILES: Final[Mapping[str, Callable[[Ensemble], dict[str, str]]]] = MappingProxyType(
@@ -30,7 +30,7 @@ _FILES: Final[Mapping[str, Callable[[Ensemble], dict[str, str]]]] = MappingProxy
         "matlab": lambda ens: matlab_files(_written(ens)),
         "python": lambda ens: python_files(_written(ens)),
         "julia": lambda ens: julia_files(_written(ens)),
-        "auto07p": lambda ens: auto07p_files(_with_parameters(ens), *starting_orbit(ens)),
+        "auto07p": lambda ens: auto07p_files(_with_parameters(ens), *_starting_orbit(ens)),
         "c": lambda ens: c_files(_written(ens)),
         "javascript": lambda ens: javascript_files(_written(ens)),
     }
@@ -126,6 +126,13 @@ def _written(ens: Ensemble) -> WrittenEquations:
         for name, x in zip(ens.vector_field.state_names, ens.initial_states[0], strict=True)
     )
     return written_equations(ens.vector_field, ens.drive, values, state, _description(ens))
+
+
+def _starting_orbit(ens: Ensemble) -> tuple[FloatArray, FloatArray, bool]:
+    """The orbit from which AUTO starts; the other languages do without the search for it."""
+    from remanent.studies.export._starting_orbit import starting_orbit
+
+    return starting_orbit(ens)
 
 
 def _with_parameters(ens: Ensemble) -> WrittenEquations:

@@ -171,7 +171,14 @@ def large() -> Problem:
     return crowd(4096)
 
 
-@pytest.mark.parametrize("kind", [0, 1, 2], ids=["times", "strobe", "extremes"])
+@pytest.mark.parametrize(
+    "kind",
+    [
+        pytest.param(0, id="times", marks=pytest.mark.slow),
+        pytest.param(1, id="strobe"),
+        pytest.param(2, id="extremes", marks=pytest.mark.slow),
+    ],
+)
 def test_bits_do_not_depend_on_thousands_of_others(large: Problem, kind: int) -> None:
     """Alone, among 8, among 4096, and there with other sizes and workers: the same bits.
 
