@@ -64,6 +64,7 @@ def test_bad_values_are_refused_in_words(visit: go.Watched) -> None:
     go.check_bad_values_are_refused_in_words(visit.page)
 
 
+@pytest.mark.slow
 def test_address_goes_back_and_forward(visit: go.Watched) -> None:
     """Every state is in the address: back, forward and reload give it again."""
     go.check_address_goes_back_and_forward(visit.page)
@@ -87,6 +88,7 @@ def test_theme(visit: go.Watched) -> None:
     go.check_theme(visit.page)
 
 
+@pytest.mark.slow
 def test_figure_files(visit: go.Watched, tmp_path: Path) -> None:
     """Figures are given out as SVG and PNG, with axes and units."""
     go.check_figure_files(visit.page, tmp_path)

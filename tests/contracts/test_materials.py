@@ -31,6 +31,15 @@ MATERIALS: dict[str, Material] = {
 #: Materials that are given as formulas lose digits near rest, as their formula does.
 NAMED = {name: m for name, m in MATERIALS.items() if not isinstance(m, rm.StrainEnergy)}
 every = pytest.mark.parametrize("material", MATERIALS.values(), ids=MATERIALS.keys())
+#: Laws of motion compile much: the fast tests ask them of one solid of each way to write one.
+FAST = ("NeoHookean", "Gent", "Ogden", "StrainEnergy")
+of_motion = pytest.mark.parametrize(
+    "material",
+    [
+        pytest.param(material, id=name, marks=() if name in FAST else pytest.mark.slow)
+        for name, material in MATERIALS.items()
+    ],
+)
 #: Stretches l1, l2 over the range of use, within the limits of all of the above.
 PAIRS = np.random.default_rng(1).uniform(0.7, 1.6, (20, 2))
 
@@ -220,7 +229,7 @@ def test_numbers_may_be_varied_by_a_study(material: Material) -> None:
         assert float(swept.stretch[0, 0]) == float(alone.stretch[0])
 
 
-@every
+@of_motion
 def test_motion_agrees_with_an_independent_engine(material: Material) -> None:
     """SciPy's DOP853 on the complex-step force, within the reported errors, also of extremes."""
     times, c, S, b, w = np.linspace(0.0, 6.0, 13), 0.3, 0.4, 0.9, 1.3
@@ -249,7 +258,7 @@ def test_motion_agrees_with_an_independent_engine(material: Material) -> None:
     assert abs(float(response.minimum) - seen.min()) <= bound
 
 
-@every
+@of_motion
 def test_motion_in_two_directions_agrees_with_an_independent_engine(material: Material) -> None:
     """(1 + c g g^T) l'' = -3 dU/dl - c K g, by DOP853; x = 1/(l1 l2), x'' = g l'' + K."""
     times, c, S, b, w = np.linspace(0.0, 4.0, 9), 0.3, np.array([0.3, -0.1]), 0.6, 1.3
@@ -274,7 +283,7 @@ def test_motion_in_two_directions_agrees_with_an_independent_engine(material: Ma
     assert abs(float(ds.stretch_1[-1] - ds.stretch_2[-1])) > 1e-3
 
 
-@every
+@of_motion
 def test_balances_close_where_temperature_moves(material: Material) -> None:
     """Both laws within the error, with losses, exchange and a remanence that takes part."""
     body = rm.Actuator(

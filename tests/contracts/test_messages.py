@@ -16,6 +16,7 @@ import pytest
 import xarray as xr
 
 import remanent as rm
+from remanent.studies.sweep.study import SEARCHING_VERBS
 from tests.contracts.sound_calls import (
     ACTUATOR_ONLY,
     BODY,
@@ -185,7 +186,13 @@ def test_every_verb_has_a_sound_call() -> None:
     assert set(OWN_CHANGES) == set(SOUND) - ACTUATOR_ONLY - OF_DATA_ONLY
 
 
-@pytest.mark.parametrize("verb", sorted(OWN_CHANGES))
+@pytest.mark.parametrize(
+    "verb",
+    [
+        pytest.param(verb, marks=pytest.mark.slow) if verb in SEARCHING_VERBS else verb
+        for verb in sorted(OWN_CHANGES)
+    ],
+)
 def test_sound_calls_with_systems_of_ones_own_are_sound(verb: str) -> None:
     """Each is read back from its result, with the status of something that was done."""
     result = getattr(rm, verb)(**own_call(verb))

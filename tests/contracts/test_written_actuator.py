@@ -68,8 +68,9 @@ SPAN = {"stretch": (0.3, 4.0)}
 #: A fold, and a branch that doubles.
 HOT, FOLDING = {"prestress": 0.0}, rm.SineSquared(0.4, 1.2668)
 COLD, FAST = {"temperature": 293.0, "prestress": 0.0}, rm.SineSquared(0.8, 2.4)
-#: Verbs that take long of two coordinates.
-SLOW_PAIRS = {"continue_orbit"}
+#: Verbs that take long of one coordinate, and of two.
+SLOW_ONES = {"lyapunov", "resonances"}
+SLOW_PAIRS = {"continue_orbit", "frequency_response", "lyapunov"}
 #: Words that are to be the same.
 EQUAL = "equal"
 
@@ -344,7 +345,9 @@ def called(case: Case, system: System) -> xr.Dataset:
     return case.call(system, **own)
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=pytest.mark.slow) if n in SLOW_ONES else n for n in CASES]
+)
 def test_a_written_actuator_of_one_coordinate(name: str) -> None:
     """Lagrange's equations from the energies alone."""
     case = CASES[name]

@@ -121,7 +121,9 @@ def answers(verb: str, drive: Drive, over: dict[str, Any]) -> xr.Dataset:
 
 
 @pytest.mark.parametrize("drive", [rm.Sine(0.5, 3.0, 0.1), rm.Constant(0.2)], ids=["sine", "level"])
-@pytest.mark.parametrize("verb", ["simulate", "crossings", "energy_balance"])
+@pytest.mark.parametrize(
+    "verb", ["simulate", "crossings", pytest.param("energy_balance", marks=pytest.mark.slow)]
+)
 def test_verbs_do_not_depend_on_the_size_of_over(verb: str, drive: Drive) -> None:
     """Determinism: one case, 8 cases, and 2048 cases of ``over`` agree bit for bit."""
     count = 2048

@@ -288,7 +288,7 @@ ELEMENTS: dict[str, Dissipation] = {
 }
 
 
-@pytest.mark.parametrize("weighted", [False, True])
+@pytest.mark.parametrize("weighted", [pytest.param(False, marks=pytest.mark.slow), True])
 @pytest.mark.parametrize("element", ELEMENTS.values(), ids=ELEMENTS.keys())
 def test_accelerations_solve_lagranges_equations(element: Dissipation, weighted: bool) -> None:
     """The short form that is computed is M^-1 f of the long one that is shown."""

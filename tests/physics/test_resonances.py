@@ -90,7 +90,9 @@ def test_a_small_load_finds_the_linear_resonance() -> None:
     assert float(ds.share[0]) > 0.999
 
 
-@pytest.mark.parametrize(("relaxation_time", "eta"), [(0.7, 0.0), (5.0, 0.1)])
+@pytest.mark.parametrize(
+    ("relaxation_time", "eta"), [pytest.param(0.7, 0.0, marks=pytest.mark.slow), (5.0, 0.1)]
+)
 def test_a_small_load_finds_the_resonance_of_a_relaxing_body(
     relaxation_time: float, eta: float
 ) -> None:

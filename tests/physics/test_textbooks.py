@@ -102,6 +102,7 @@ def test_the_attractor_of_ueda() -> None:
     assert float(found.exponent.sum()) == pytest.approx(-0.05, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_islands_and_sea_of_henon_and_heiles() -> None:
     """Islands of Henon and Heiles at E = 1/8 have no growth, the sea has 0.04 to 0.07.
 

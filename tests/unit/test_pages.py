@@ -25,6 +25,14 @@ TEXTS = {page: (ROOT / page).read_text("utf-8") for page in pages.page_names()}
 LISTED = [(page, block) for page, text in TEXTS.items() for block in pages.blocks_of(text)]
 #: The parts that this page adds need files of their own: `tests/contracts/test_new_parts.py`.
 ADDING_PARTS = "CONTRIBUTING.md"
+#: Pages that take seconds each, most of it to compile; the slow tests run them.
+LONG = {
+    *(f"docs/how-to/{name}.md" for name in (
+        "coming-from-dynamicalsystems", "materials", "orbits", "own-systems", "sensitivity",
+        "uncertainty",
+    )),
+    *(f"docs/explanation/{name}.md" for name in ("balloon", "heat", "two-directions", "viscosity")),
+}  # fmt: skip
 RUNNING = [page for page in TEXTS if page != ADDING_PARTS and pages.outputs_of(TEXTS[page])]
 
 
@@ -33,7 +41,10 @@ def blocks_of(page: str, language: str) -> list[pages.Block]:
     return [block for block in pages.blocks_of(TEXTS[page]) if block.language == language]
 
 
-@pytest.mark.parametrize("page", RUNNING)
+@pytest.mark.parametrize(
+    "page",
+    [pytest.param(page, marks=pytest.mark.slow) if page in LONG else page for page in RUNNING],
+)
 def test_code_runs(page: str, tmp_path: Path) -> None:
     """The Python blocks of a page run in order, in an empty folder, without a warning.
 

@@ -59,7 +59,9 @@ def test_from_a_new_file_to_netcdf(tmp_path: Path) -> None:
     file = tmp_path / "mine.toml"
     text = file.read_text()
     assert re.search(r"count = \d+", text)
-    file.write_text(re.sub(r"count = \d+", "count = 45", text))
+    assert "periods = 200" in text
+    text = re.sub(r"count = \d+", "count = 45", text).replace("periods = 200", "periods = 100")
+    file.write_text(text)
 
     code, told = done("run", "mine.toml", "--dry-run", folder=tmp_path)
     assert code == 0, told

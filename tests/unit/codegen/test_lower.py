@@ -170,7 +170,13 @@ def check_against_sympy(name: str, count: int) -> None:
             assert abs(mpmath.mpf(float(value)) - truth) <= allowed
 
 
-@pytest.mark.parametrize("name", MODELS | UNEXPANDED)
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=pytest.mark.slow) if name == "prony" else name
+        for name in MODELS | UNEXPANDED
+    ],
+)
 def test_code_agrees_with_sympy(name: str) -> None:
     """The code of every model has the values of its symbolic expressions."""
     check_against_sympy(name, 50)
