@@ -1,6 +1,9 @@
 # The one door. Each target makes the environment it needs in .venv, from pyproject.toml
 # and constraints.txt, and finds it ready the next time.
 
+# Tests start hundreds of processes, each of which would compile the package anew.
+unexport PYTHONDONTWRITEBYTECODE
+
 VENV := .venv
 BIN := $(VENV)/bin
 # The first interpreter that is new enough; `make PYTHON=... test` chooses another.

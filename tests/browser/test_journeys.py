@@ -264,6 +264,7 @@ def test_a_busy_machine_is_asked_again(browser: Browser) -> None:
             )
 
 
+@pytest.mark.slow
 def test_server_goes_and_comes_back(browser: Browser) -> None:
     """Without a server curves still follow the sliders; with one again the rest comes back."""
     with ExitStack() as servers:
@@ -405,6 +406,7 @@ def test_every_size_fits(
             assert go.has_no_sideways_scroll(page)
 
 
+@pytest.mark.slow
 def test_motion_stands_still_where_that_is_preferred(browser: Browser, server: Running) -> None:
     """The animation waits for its button where people ask for less motion, and runs elsewhere."""
     for preference, words in (("reduce", "Play"), ("no-preference", "Pause")):
@@ -419,6 +421,7 @@ def test_motion_stands_still_where_that_is_preferred(browser: Browser, server: R
                 assert after != before
 
 
+@pytest.mark.slow
 def test_units_turn_to_si(browser: Browser) -> None:
     """An actuator with sizes shows hertz, millitesla and milliseconds, and takes them typed."""
     spec = {
@@ -525,6 +528,7 @@ def test_a_refused_system_of_an_address_is_told(
         watched.forgive_network()
 
 
+@pytest.mark.slow
 def test_at_rest_a_motion_is_known_longer(visit: go.Watched) -> None:
     """A chaotic motion is followed with more steps when nothing has moved for a moment."""
     page = visit.page
@@ -539,6 +543,7 @@ def test_at_rest_a_motion_is_known_longer(visit: go.Watched) -> None:
     page.wait_for_function(f"(first) => ({until})() > first", arg=first)
 
 
+@pytest.mark.slow
 def test_enormous_numbers_break_nothing(visit: go.Watched) -> None:
     """Numbers that no motion stands are refused in words; nothing is thrown or drawn wrong."""
     page = visit.page

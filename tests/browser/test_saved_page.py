@@ -110,6 +110,7 @@ def test_results_stand_in_for_the_server(visit: go.Watched) -> None:
     assert "old" in (page.get_attribute("#status-regime", "class") or "")
 
 
+@pytest.mark.slow
 def test_presets_and_addresses_need_no_server(visit: go.Watched, address: str) -> None:
     """A preset shows its system without results of another; the address says which it is."""
     page = visit.page

@@ -218,6 +218,7 @@ def test_bad_values_are_refused_in_words_that_are_true(verb: str, argument: str)
     assert not wrong, "\n".join(wrong)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("verb", "argument"), [one for one in arguments() if one.values[0] in OWN_CHANGES]
 )

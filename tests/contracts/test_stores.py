@@ -28,7 +28,13 @@ def _study(verb: str) -> Study:
     return Study(verb, system, drive, over, arguments)
 
 
-@pytest.mark.parametrize("verb", verbs_of_studies())
+@pytest.mark.parametrize(
+    "verb",
+    [
+        pytest.param(verb, marks=pytest.mark.slow) if verb == "locate_bifurcation" else verb
+        for verb in verbs_of_studies()
+    ],
+)
 @pytest.mark.filterwarnings("ignore::remanent.InputWarning")
 def test_a_store_is_what_the_verb_returns(
     verb: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

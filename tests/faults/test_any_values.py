@@ -18,7 +18,7 @@ from tests.faults.subjects import Subject, subjects
 #: Names that are called by nobody with values: exceptions, a warning, codes, a version.
 NOT_CALLED = {"RemanentError", "InputError", "InputWarning", "Status", "plot", "__version__"}
 #: Calls of the fast test, and of one seed of the slow one.
-FEW, MANY = 150, 2100
+FEW, MANY = 100, 2100
 
 
 def wrong(calls: list[Attempt]) -> list[str]:

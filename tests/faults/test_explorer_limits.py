@@ -76,8 +76,8 @@ def test_a_large_frame_closes_the_socket(server: Running) -> None:
         with server.socket() as socket:
             with pytest.raises(ConnectionClosed) as closed:
                 exchange(socket, message)
-            assert closed.value.rcvd is not None
-            assert closed.value.rcvd.code == 1009
+            # The frame that says so is lost where TCP resets what is still being sent.
+            assert closed.value.rcvd is None or closed.value.rcvd.code == 1009
     assert is_free(server)
 
 

@@ -86,6 +86,7 @@ def test_workers_have_no_more_threads_than_there_are_processors() -> None:
         assert sum(threads.values()) <= processors
 
 
+@pytest.mark.slow
 def test_workers_know_a_store_from_one_that_was_there_before(tmp_path: Path) -> None:
     """The same workers, the same path, one study after the other."""
     path = tmp_path / "again.zarr"
@@ -151,6 +152,7 @@ def test_killed_workers_are_replaced(whole: Path, tmp_path: Path, kills: int) ->
         xr.testing.assert_equal(rm.load(path), study(points).result_of(study(points).grid.whole))
 
 
+@pytest.mark.slow
 def test_parts_side_by_side_fill_one_store(whole: Path, tmp_path: Path) -> None:
     """Four shares at once, of which one is killed and run again."""
     path = tmp_path / "parts.zarr"

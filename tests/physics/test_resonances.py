@@ -90,9 +90,8 @@ def test_a_small_load_finds_the_linear_resonance() -> None:
     assert float(ds.share[0]) > 0.999
 
 
-@pytest.mark.parametrize(
-    ("relaxation_time", "eta"), [pytest.param(0.7, 0.0, marks=pytest.mark.slow), (5.0, 0.1)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("relaxation_time", "eta"), [(0.7, 0.0), (5.0, 0.1)])
 def test_a_small_load_finds_the_resonance_of_a_relaxing_body(
     relaxation_time: float, eta: float
 ) -> None:
@@ -117,6 +116,7 @@ def test_a_small_load_finds_the_resonance_of_a_relaxing_body(
     assert abs(float(ds.detuning[0])) < 0.01
 
 
+@pytest.mark.slow
 def test_resonances_of_a_body_that_warms_little_are_those_at_its_temperature() -> None:
     """As the coupling to heat tends to 0, the resonances tend to those without heat."""
     drive, span = rm.SineSquared(0.03, 1.0), (1.1, 1.4)

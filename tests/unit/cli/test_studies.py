@@ -52,7 +52,11 @@ def broken_off(number: signal.Signals, folder: Path) -> tuple[int, str, float]:
     return process.returncode, first + out + err, time.monotonic() - begin
 
 
-def test_from_a_new_file_to_netcdf(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("number", "expected"),
+    [(signal.SIGINT, 130), pytest.param(signal.SIGTERM, 143, marks=pytest.mark.slow)],
+)
+def test_from_a_new_file_to_netcdf(number: signal.Signals, expected: int, tmp_path: Path) -> None:
     """The numbers in the file at the end are those of the verb, whatever happened on the way."""
     code, told = done("new", "mine", folder=tmp_path)
     assert code == 0, told
@@ -68,11 +72,10 @@ def test_from_a_new_file_to_netcdf(tmp_path: Path) -> None:
     assert "2,025 points" in told
     assert list(tmp_path.iterdir()) == [file]
 
-    for number, expected in ((signal.SIGINT, 130), (signal.SIGTERM, 143)):
-        code, told, seconds = broken_off(number, tmp_path)
-        assert code == expected, told
-        assert "the same command goes on from there" in told
-        assert seconds < 5.0
+    code, told, seconds = broken_off(number, tmp_path)
+    assert code == expected, told
+    assert "the same command goes on from there" in told
+    assert seconds < 5.0
     code, told = done("verify", "mine.zarr", folder=tmp_path)
     assert code == 3, told
 

@@ -202,6 +202,7 @@ def test_bits_do_not_depend_on_thousands_of_others(large: Problem, kind: int) ->
         assert_same_states(outcome, reference, few, request, part)
 
 
+@pytest.mark.slow
 def test_crossings_do_not_depend_on_thousands_of_others(large: Problem) -> None:
     """Times, states and directions alone, among 8, and among 4096 (law: Determinism)."""
     passages, _ = find_crossings(large, "position", 0.3, tolerance=1e-8)
