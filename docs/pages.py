@@ -230,6 +230,9 @@ def update(page: str) -> None:
     path = ROOT / page
     text = path.read_text("utf-8")
     blocks = [block for block, _ in outputs_of(text)]
+    if not blocks:  # the gallery's pictures are those of its scripts
+        print(page, "has no code to run")
+        return
     with tempfile.TemporaryDirectory() as name:
         printed = run_blocks(page, blocks, Path(name))
         for picture, file in pictures_of(page, text).items():

@@ -15,6 +15,7 @@ from remanent.analysis.orbits.curves import CurvePoints
 from remanent.analysis.orbits.errors import OrbitErrors, orbit_errors
 from remanent.analysis.orbits.maps import MapImage
 from remanent.analysis.orbits.period_chain import PeriodChain
+from remanent.analysis.orbits.periodic_orbits import PeriodicOrbits, distinct_fixed_points
 from remanent.analysis.orbits.refinement import refine_orbits
 from remanent.analysis.orbits.stability import Stability, floquet_multipliers, orbit_stability
 
@@ -344,3 +345,38 @@ def test_stability_follows_the_errors() -> None:
             assert orbit_stability(multipliers, errors, conservative=conservative)[0] == expected
         unknown = np.full((1, 2), np.nan)
         assert orbit_stability(multipliers, unknown, conservative=conservative)[0] == 0
+
+
+#: x, y -> 1 - p x^2 + y, 0.3 x, by Henon.
+HENON = ClosedFormMap(
+    2,
+    lambda x, p: np.stack([1.0 - p[:, 0] * x[:, 0] ** 2 + x[:, 1], 0.3 * x[:, 0]], axis=1),
+    lambda x, p: np.stack(
+        [np.stack([-2.0 * p[:, 0] * x[:, 0], np.ones(len(x))], axis=1),
+         np.tile([0.3, 0.0], (len(x), 1))], axis=1,
+    ),
+)  # fmt: skip
+
+
+def test_what_happens_to_an_error_later_is_the_product_of_the_jacobians_after_it() -> None:
+    """J3 J2, J3 and 1 for errors of the first, the second and the third period."""
+    start, p = np.array([[0.3, 0.1], [-0.5, 0.2]]), np.array([[1.4], [1.1]])
+    matrices: list[FloatArray] = []
+    x = start
+    for _ in range(3):
+        matrices.append(HENON.jacobian(x, p))
+        x = HENON.image(x, p)
+    chain = PeriodChain.along(HENON, start, p, 3)
+    one = np.tile(np.eye(2), (2, 1, 1))
+    after = np.stack([matrices[2] @ matrices[1], matrices[2], one], axis=1)
+    np.testing.assert_allclose(chain.later, after, rtol=1e-13)
+    np.testing.assert_allclose(chain.jacobian, after[:, 0] @ matrices[0], rtol=1e-13)
+
+
+def test_two_points_in_one_place_are_one_unless_they_have_another_index() -> None:
+    """A node and a saddle that are about to meet are two; a node found twice is one."""
+    node, saddle = np.diag([0.5, 0.5]), np.diag([2.0, 0.5])
+    for jacobians in ([node, saddle, node], [saddle, node, node], [node, node, saddle]):
+        orbits = PeriodicOrbits(np.ones((3, 2)), np.stack(jacobians), np.zeros(3), np.zeros(3))
+        kept = distinct_fixed_points(orbits, np.array([1e-9, 2e-9, 3e-9]))
+        assert sorted(orbits.index[kept]) == [-1, 1]

@@ -47,3 +47,23 @@ def test_noise_of_dense_records_is_smoothed(noise: float) -> None:
     # The motion is that of no small oscillation: it differs by the amplitude, 2e-3, squared.
     assert abs(float(found.decrement) - exact) < 3.0 * float(found.decrement_error) + 1e-4
     assert float(found.decrement_error) < noise
+
+
+def test_errors_are_the_scatter_of_repetitions() -> None:
+    """Law: over records with noise anew, estimates scatter as much as each says of itself."""
+    time = np.linspace(0.0, 20.0, 1000)
+    body = rm.Actuator(dissipation=rm.Rayleigh(0.1))
+    run = rm.simulate(body, rm.Constant(0.0), times=time, initial=(1.001, 0.0))
+    rng, size = np.random.default_rng(2), 1e-3 * 0.5 * np.ptp(run.thickness_stretch.values)
+    found = [
+        rm.logarithmic_decrement(
+            run.assign(
+                thickness_stretch=run.thickness_stretch + size * rng.standard_normal(time.size)
+            )
+        )
+        for _ in range(24)
+    ]
+    for name in ("decrement", "frequency"):
+        estimates = np.array([float(one[name]) for one in found])
+        stated = np.array([float(one[f"{name}_error"]) for one in found])
+        assert 0.6 < estimates.std() / stated.mean() < 1.6, name

@@ -6,12 +6,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+import sympy as sp
 
 import remanent as rm
 from remanent.analysis.statics.rounding import Rounded, RoundedDual
 from remanent.studies.ensemble.layout import lay_out_ensemble
 from remanent.studies.statics._static_ensemble import StaticEnsemble
-from remanent.studies.statics._static_errors import stretch_error
+from remanent.studies.statics._static_errors import squared_frequency_error, stretch_error
 
 
 def test_folds_are_found_for_each_of_the_other_fields() -> None:
@@ -158,3 +159,15 @@ def test_the_error_of_a_zero_is_the_force_that_may_be_left_over_the_least_slope(
     case = np.zeros(3, dtype=np.int64)
     found = stretch_error(static, case, np.ones(3), force)
     np.testing.assert_allclose(found, [1.1e-12 / 1.5, 0.25e-12, np.inf], rtol=1e-14)
+
+
+def test_the_error_of_a_squared_frequency_is_the_change_of_the_slope() -> None:
+    """|F''| times the error of the stretch; F of [Thermal, eq. 16] at rest, at T = T0 and c = 1."""
+    x, m, error = sp.Symbol("x"), 0.1, 1e-6
+    curvature = sp.diff(-3 * (x - x**-5 + m * x**-3) / (1 + 2 * x**-6), x, 2)
+    static = StaticEnsemble(lay_out_ensemble(rm.Actuator(), rm.Constant(m)))
+    case, places = np.zeros(3, dtype=np.int64), np.array([0.8, 0.95, 1.1])
+    force = static.first_acceleration_with_rounding(case, places)
+    found = squared_frequency_error(static, case, places, np.full(3, error), force)
+    exact = [error * abs(float(curvature.subs(x, place))) for place in places]
+    np.testing.assert_allclose(found, exact, rtol=1e-6)
