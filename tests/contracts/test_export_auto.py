@@ -87,7 +87,7 @@ def test_random_systems_are_exported_to_auto(
 
     Most of them have no orbit, which their equations do not need.
     """
-    monkeypatch.setattr(export_module, "starting_orbit", _no_orbit)
+    monkeypatch.setattr(export_module, "_starting_orbit", _no_orbit)
     cases = random_cases(300).items()
     forced = dict(islice(((k, one) for k, one in cases if one[1].period is not None), 100))
     assert len(forced) == 100
