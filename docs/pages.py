@@ -225,6 +225,15 @@ def copy_picture(made: Path, picture: Path) -> None:
     few.save(picture, optimize=True)
 
 
+def pages_with_code() -> list[str]:
+    """Pages whose Python runs by itself; what CONTRIBUTING adds needs files of its own."""
+    return [
+        page
+        for page in page_names()
+        if page != "CONTRIBUTING.md" and outputs_of((ROOT / page).read_text("utf-8"))
+    ]
+
+
 def update(page: str) -> None:
     """Run a page, and write its outputs and pictures where they do not agree."""
     path = ROOT / page
@@ -250,5 +259,5 @@ def update(page: str) -> None:
 if __name__ == "__main__":
     os.environ.setdefault("MPLBACKEND", "Agg")
     named = [Path(name).resolve().relative_to(ROOT).as_posix() for name in sys.argv[1:]]
-    for each in named or [n for n in page_names() if n != "CONTRIBUTING.md"]:
+    for each in named or pages_with_code():
         update(each)

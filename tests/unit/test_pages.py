@@ -23,8 +23,6 @@ ROOT = Path(__file__).parents[2]
 STATIC = ROOT / "docs" / "_static"
 TEXTS = {page: (ROOT / page).read_text("utf-8") for page in pages.page_names()}
 LISTED = [(page, block) for page, text in TEXTS.items() for block in pages.blocks_of(text)]
-#: The parts that this page adds need files of their own: `tests/contracts/test_new_parts.py`.
-ADDING_PARTS = "CONTRIBUTING.md"
 #: Pages that take seconds each, most of it to compile; the slow tests run them.
 LONG = {
     *(f"docs/how-to/{name}.md" for name in (
@@ -33,7 +31,7 @@ LONG = {
     )),
     *(f"docs/explanation/{name}.md" for name in ("balloon", "heat", "two-directions", "viscosity")),
 }  # fmt: skip
-RUNNING = [page for page in TEXTS if page != ADDING_PARTS and pages.outputs_of(TEXTS[page])]
+RUNNING = pages.pages_with_code()
 
 
 def blocks_of(page: str, language: str) -> list[pages.Block]:

@@ -22,7 +22,7 @@ from tests.unit.models.attacks import ATTACKS
 
 @pytest.mark.parametrize("name", ATTACKS)
 def test_anything_but_arithmetic_is_refused(name: str) -> None:
-    """With the message of this package, by the parser and by the material; nothing of it is run."""
+    """With the message of this package, by the parser and by the material."""
     for call in (parse_formula, rm.StrainEnergy):
         with pytest.raises(InputError, match=r"`expression` must .*; got .*\. .* Write for") as e:
             call(ATTACKS[name])

@@ -165,6 +165,9 @@ export async function drawFigure(host, figure, pick, say) {
   if (newest.get(host) !== figure) {
     return;
   }
+  if (!host.on) {
+    host.textContent = ""; // what was said where the library was not to be had
+  }
   const config = { displayModeBar: false, responsive: false, doubleClick: "reset" };
   library.react(host, figure.data, { ...figure.layout, ...sizeOf(host) }, config);
   watchSize(host);
