@@ -102,6 +102,18 @@ def test_no_oscillation_is_told_of_an_equilibrium() -> None:
     assert "equilibrium" in str(ds.reason.values[0])
 
 
+def test_a_start_too_near_to_rest_to_be_told_from_it_is_still() -> None:
+    """A system watched by x^2 moves less than the error of the run: no oscillation is asserted."""
+    watched = rm.LagrangianSystem(
+        coordinates="x",
+        kinetic="x_rate**2/2",
+        potential="x**2/2 + x**4/4 - load*x",
+        observable="x**2",
+    )
+    ds = rm.backbone(watched, [0.0, 1e-12, 0.5])
+    assert ds.status.values.tolist() == [rm.Status.SINGULAR, rm.Status.SINGULAR, rm.Status.OK]
+
+
 def test_frequencies_and_amplitudes_are_right_to_their_errors() -> None:
     """Coverage of errors: against the return to rest in extended precision."""
     judged = [one for seed in range(3) for one in rows._oscillations(np.random.default_rng(seed))]

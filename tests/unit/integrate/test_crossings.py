@@ -2,10 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
+import pytest
 
 from remanent._typing import IntArray
-from remanent.integrate.crossings import NO_CROSSING, Crossings, with_distances
+from remanent.integrate.crossings import (
+    NO_CROSSING,
+    Crossings,
+    merge_within_error,
+    with_distances,
+)
 
 
 def listed(rows: IntArray, steps: IntArray, direction: int) -> Crossings:
@@ -35,3 +43,24 @@ def test_distances_are_the_largest_between_one_crossing_and_the_next() -> None:
         for end in range(4):
             expected.append(distance[end, max(steps[rows == end], default=-1) + 1 :].max())
         np.testing.assert_array_equal(joined.largest_before, expected)
+
+
+@pytest.mark.parametrize(
+    ("directions", "expected"),
+    [((1, -1, 1), 1), ((1, -1), 0), ((-1, 1, -1), -1), ((-1, 0, 1), 0), ((0, -1), -1), ((0, 0), 0)],
+)
+def test_passages_within_the_error_are_one(directions: tuple[int, ...], expected: int) -> None:
+    """The value is passed if the last passage goes as the first does, and touched otherwise."""
+    count = len(directions)
+    found = listed(np.zeros(count + 1, dtype=np.int64), np.arange(count + 1), 0)
+    nearby = np.full(count + 1, 1e-3)
+    nearby[[0, -1]] = 1.0  # the motion comes from afar, and leaves again
+    found = replace(
+        found,
+        direction=np.array([*directions, NO_CROSSING]),
+        sensitivity=np.ones(count + 1),
+        largest_before=nearby,
+    )
+    merged = merge_within_error(found, np.array([0.1]))
+    assert merged.direction.tolist() == [expected]
+    assert merge_within_error(found, np.array([1e-4])).direction.tolist() == list(directions)

@@ -470,3 +470,18 @@ def test_stability_is_undecided_within_the_error() -> None:
     values = np.concatenate([turning, np.array([[2.0, 0.5]], dtype=complex)])
     kinds = orbit_stability(values, np.full(values.shape, 1e-8), conservative=True)
     assert [Stability(k).meaning for k in kinds] == ["elliptic", "undecided", "saddle"]
+
+
+def test_a_curve_that_is_followed_one_way_is_not_closed() -> None:
+    """x = p from the origin upwards ends at its bound, and says so."""
+    derivative = np.array([[1.0, -1.0]])
+
+    def equations(z: FloatArray) -> EquationValues:
+        slopes = np.tile(derivative, (len(z), 1, 1))
+        return EquationValues(z @ derivative.T, slopes, np.full(len(z), EPS), {"d": slopes})
+
+    scale = np.ones(2)
+    settings = ContinuationSettings(-scale, scale, scale, tolerance=1e-12)
+    first = start(equations, np.zeros((1, 2)), scale)
+    (curve,) = continue_curves(equations, first, settings, both_ways=False)
+    assert (curve.is_closed, curve.end_reasons) == (False, ("start", "bounds"))

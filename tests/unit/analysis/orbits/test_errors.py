@@ -380,3 +380,17 @@ def test_two_points_in_one_place_are_one_unless_they_have_another_index() -> Non
         orbits = PeriodicOrbits(np.ones((3, 2)), np.stack(jacobians), np.zeros(3), np.zeros(3))
         kept = distinct_fixed_points(orbits, np.array([1e-9, 2e-9, 3e-9]))
         assert sorted(orbits.index[kept]) == [-1, 1]
+
+
+@pytest.mark.parametrize("order", [2, 3, 4])
+def test_eigenvalues_that_meet_move_no_farther_than_their_bound(order: int) -> None:
+    """Of a Jordan block, by the root of the change, and in proportion to the size of the matrix."""
+    change = 1e-6
+    block = 0.5 * np.eye(order) + np.eye(order, k=1)
+    moved = np.linalg.eigvals(block + change * np.eye(order, k=1 - order))
+    _, error = floquet_multipliers(block[None], np.full((1, order, order), change))
+    distance = np.abs(moved - 0.5).max()
+    assert distance == pytest.approx(change ** (1.0 / order), rel=1e-3)
+    assert distance <= error.min()
+    _, larger = floquet_multipliers(100.0 * block[None], np.full((1, order, order), 100.0 * change))
+    np.testing.assert_allclose(larger, 100.0 * error, rtol=1e-6)

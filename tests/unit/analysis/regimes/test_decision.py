@@ -12,6 +12,7 @@ from remanent.analysis.regimes.agreement import (
     DEFAULT_REGIME_RULES,
     agreed_regime,
     chaotic_rule,
+    periodic_rule,
     regime_of_run,
 )
 from remanent.analysis.regimes.collection import (
@@ -355,3 +356,14 @@ def test_a_new_indicator_is_a_function_and_a_line_in_a_table() -> None:
     assert found.regime.tolist() == [Regime.UNDECIDED, Regime.CHAOTIC]
     # At r = 4 the density is 1/(pi sqrt(x(1 - x))), whose standard deviation is 1/sqrt(8).
     assert found.evidence["scatter"][1] == pytest.approx(8.0**-0.5, rel=0.05)
+
+
+def test_the_margin_of_a_periodic_orbit_is_one_at_the_threshold() -> None:
+    """Of the digits to which it closes: twice as many are a margin of 2, half as many of 1/2."""
+    found = label(logistic, np.full((3, 1), 0.3), np.full((3, 1), 3.2), 500)
+    thresholds = RegimeThresholds()
+    limit = thresholds.max_closed_return_defect
+    table = replace(found.evidence, defect=np.array([limit, limit**2, limit**0.5]))
+    closed, margin = periodic_rule(table, np.zeros(3, dtype=np.bool_), 500, thresholds)
+    np.testing.assert_allclose(margin, [1.0, 2.0, 0.5])
+    assert closed.tolist() == [True, True, False]

@@ -76,3 +76,13 @@ def test_alignment_falls_like_an_inverse_square_on_a_torus(start: float) -> None
     n = np.cumsum(path.block_lengths_in_periods)
     power, _ = np.polyfit(np.log(n[20:]), np.log(index[20:]), 1)
     assert power == pytest.approx(-2.0, abs=0.4)
+
+
+def test_any_number_of_series_is_worked_out_a_few_at_a_time(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """More series than samples, one at a time, give what all of them together do."""
+    values = np.random.default_rng(3).normal(size=(70, 50))
+    together = zero_one_test(values, rng=np.random.default_rng(8))
+    monkeypatch.setattr(indicators, "_MAX_PRODUCTS_IN_MEMORY", 1)
+    np.testing.assert_array_equal(zero_one_test(values, rng=np.random.default_rng(8)), together)

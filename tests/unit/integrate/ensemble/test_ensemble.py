@@ -12,7 +12,7 @@ from remanent._load_schedule import LoadSchedule
 from remanent._status import Status
 from remanent.integrate.ensemble.best_attempts import BestAttempts
 from remanent.integrate.ensemble.counts import counts_of_double_steps
-from remanent.integrate.ensemble.ensemble import integrate
+from remanent.integrate.ensemble.ensemble import integrate, integrate_without_error_bound
 from remanent.integrate.ensemble.pool import PendingTrajectories, divide_into_chunks
 from remanent.integrate.ensemble.problem import Outcome, Problem, Request
 from remanent.integrate.ensemble.resolution import round_up_resolution
@@ -385,3 +385,19 @@ def test_trajectories_that_are_run_together_take_as_many_steps() -> None:
         assert (resolution[chunk.indices] == chunk.resolution).all()
         steps = counts_of_double_steps(asked.load_schedule, chunk.resolution, chunk.indices)
         assert np.ptp(steps) == 0
+
+
+@pytest.mark.parametrize("kind", [0, 2], ids=["times", "extremes"])
+def test_a_run_without_a_bound_is_the_finer_of_two(kind: int) -> None:
+    """At one resolution for all: the numbers of a run that carries its error, and none for it."""
+    whole = driven()
+    request = requests(whole)[kind]
+    bounded = integrate(whole, request, tolerance=1e-9)
+    alone = integrate_without_error_bound(whole, request, resolution=1024)
+    assert np.isnan(alone.error).all()
+    known = bounded.status == Status.OK
+    assert known.sum() > 12
+    assert (alone.status[known] == Status.OK).all()
+    for name in ("states",) if request.times is not None else ("maximum", "minimum"):
+        found, expected = (getattr(outcome, name)[known] for outcome in (alone, bounded))
+        np.testing.assert_allclose(found, expected, rtol=1e-8, atol=1e-8)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from remanent._errors import InputError
+from remanent.models.drives.sines import Sines
 from remanent.models.drives.waves import Constant, Sine, SineSquared
 
 TAU = np.linspace(0.0, 6.0, 61)
@@ -38,3 +39,11 @@ def test_frequencies_are_checked(make: Any, message: str) -> None:
     """A frequency that is not greater than 0 is refused."""
     with pytest.raises(InputError, match=message):
         make()
+
+
+def test_terms_without_a_load_count_for_the_period_where_theirs_is_varied() -> None:
+    """Terms at 1 and 1/2 of omega: the second doubles the period once its load may differ from 0."""
+    drive = Sines([0.3, 0.0], [1.0, 0.5], 2.0)
+    assert drive.period == pytest.approx(np.pi)
+    assert drive.with_varied(["omega"]) is drive
+    assert drive.with_varied(["loads.1"]).period == pytest.approx(2.0 * np.pi)

@@ -217,3 +217,26 @@ def test_turns_below_the_tolerance_are_not_lost() -> None:
     )
     for name in ("rise_time", "settling_time", "overshoot"):
         assert abs(float(loose[name] - fine[name])) <= float(loose[f"{name}_error"]), name
+
+
+@pytest.mark.parametrize("duration", np.linspace(5.0, 9.0, 17))
+def test_a_motion_without_damping_never_settles(duration: float) -> None:
+    """Wherever in its band, or outside, the run of an undamped motion ends."""
+    ds = rm.step_response(rm.Actuator(), rm.Constant(0.3), duration=float(duration), band=0.4)
+    assert np.isnan(ds.settling_time)
+    assert np.isnan(ds.settling_time_error)
+
+
+def test_a_band_that_holds_the_start_is_settled_in_from_there() -> None:
+    """An overdamped motion never leaves a band of one and a half times its way: exactly 0."""
+    ds = rm.step_response(rm.Actuator(dissipation=rm.Rayleigh(5.0)), rm.Constant(0.3), band=1.5)
+    assert (float(ds.settling_time), float(ds.settling_time_error)) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("temperature", [293.0, 500.0])
+def test_a_run_lasts_ten_natural_periods(temperature: float) -> None:
+    """2 pi over the natural frequency at the last rest, which slight damping hardly changes."""
+    body = rm.Actuator(temperature=temperature, dissipation=rm.Rayleigh(0.05))
+    ds = rm.step_response(body, rm.Steps([0.0, 1.5], [0.2, 0.3]))
+    frequency = float(rm.equilibria(body, 0.3).natural_frequency.item())
+    assert ds.attrs["duration"] == pytest.approx(1.5 + 20.0 * np.pi / frequency, rel=1e-3)

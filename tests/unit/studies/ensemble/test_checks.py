@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
-from remanent.studies.ensemble.checks import as_seed
+import remanent as rm
+from remanent._errors import InputError
+from remanent.studies.ensemble import memory
+from remanent.studies.ensemble.checks import as_seed, require_actuator
 
 
 def test_seeds() -> None:
@@ -15,3 +19,18 @@ def test_seeds() -> None:
     assert as_seed(generator) == as_seed(generator) == as_seed(np.random.default_rng(1))
     generator.integers(2)
     assert as_seed(generator) != as_seed(np.random.default_rng(1))
+
+
+def test_a_drive_in_the_place_of_an_actuator_is_told_apart_from_nonsense() -> None:
+    """The order of arguments for a drive, an example of an actuator for anything else."""
+    with pytest.raises(InputError, match="Pass the system first, then the drive"):
+        require_actuator("actuator", rm.Constant(0.2))
+    with pytest.raises(InputError, match=r"Pass for example rm\.Actuator\(\)"):
+        require_actuator("actuator", "block")
+
+
+def test_a_request_too_large_names_both_sizes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Half of eight GiB is allowed, and six GiB are asked for."""
+    monkeypatch.setattr(memory, "available_memory_bytes", lambda: 8 * 2**30)
+    with pytest.raises(InputError, match=r"at most 4\.0 GiB; got 6 states, about 6\.0 GiB"):
+        memory.require_memory("times", 6 * 2**30, "6 states")

@@ -67,3 +67,11 @@ def test_errors_are_the_scatter_of_repetitions() -> None:
         estimates = np.array([float(one[name]) for one in found])
         stated = np.array([float(one[f"{name}_error"]) for one in found])
         assert 0.6 < estimates.std() / stated.mean() < 1.6, name
+
+
+def test_a_record_needs_its_times() -> None:
+    """A decay without `time` is refused in words, whatever the dimension is called."""
+    run = rm.simulate(TRUE, rm.Constant(0.0), times=np.linspace(0.0, 20.0, 400), initial=(1.1, 0.0))
+    unlabelled = run.drop_vars("time").rename_dims(time="sample")
+    with pytest.raises(rm.InputError, match="have thickness_stretch along `time`"):
+        rm.logarithmic_decrement(unlabelled)

@@ -171,3 +171,20 @@ def test_the_error_of_a_squared_frequency_is_the_change_of_the_slope() -> None:
     found = squared_frequency_error(static, case, places, np.full(3, error), force)
     exact = [error * abs(float(curvature.subs(x, place))) for place in places]
     np.testing.assert_allclose(found, exact, rtol=1e-6)
+
+
+def test_the_thickness_of_two_stretches_is_off_by_what_they_are_off() -> None:
+    """Exact: l3 = 1/(l1 l2), so that relative errors add up, with a few roundings of its own."""
+    ds = rm.equilibria(rm.Actuator(prestress=(0.4, 0.1)), over={"m": [0.0, 0.2, 0.4]})
+    relative = ds.stretch_1_error / ds.stretch_1 + ds.stretch_2_error / ds.stretch_2
+    found = ds.equilibrium_stretch_error / ds.equilibrium_stretch
+    np.testing.assert_allclose(found, relative + 4.0 * np.finfo(float).eps, rtol=1e-12)
+
+
+def test_the_potential_is_tabulated_beyond_rest_and_equilibria() -> None:
+    """Three quarters of their distance beyond the outermost, and a tenth more, down to 0.05."""
+    ds = rm.equilibria(rm.Actuator(), over={"m": [0.1, 0.6]})
+    places = [1.0, *ds.equilibrium_stretch.values[np.isfinite(ds.equilibrium_stretch.values)]]
+    margin = 0.75 * np.ptp(places) + 0.1
+    ends = (max(0.05, min(places) - margin), max(places) + margin)
+    np.testing.assert_allclose(ds.thickness_stretch[[0, -1]], ends, rtol=1e-12)

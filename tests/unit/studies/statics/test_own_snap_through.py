@@ -10,6 +10,9 @@ from scipy.optimize import brentq
 
 import remanent as rm
 from remanent.studies.ensemble.constant_drive import constant_drive
+from remanent.studies.ensemble.layout import lay_out_ensemble
+from remanent.studies.statics._written_body import WrittenBody
+from remanent.studies.statics._written_snaps import _NODES, _WEIGHTS
 
 BALLOON = rm.LagrangianSystem(
     coordinates="stretch",
@@ -195,3 +198,20 @@ def test_one_number_does_not_say_which_of_several_loads_it_is() -> None:
     drive = constant_drive(BALLOON, {"voltage": 0.3})
     assert drive.parameter_values() == {"pressure.m": 0.0, "voltage.m": 0.3}
     assert constant_drive(rm.Actuator(), 0.3) == rm.Constant(0.3)
+
+
+@pytest.mark.parametrize("power", range(1, 32))
+def test_mean_slopes_near_the_start_are_exact_integrals(power: int) -> None:
+    """Exact: the mean of x^n on [0, 1] is 1/(n + 1), up to n = 31 with sixteen nodes."""
+    assert _WEIGHTS @ _NODES**power == pytest.approx(1.0 / (power + 1.0), rel=1e-14)
+
+
+def test_slopes_of_an_energy_are_its_derivatives_by_each_coordinate() -> None:
+    """Exact: x^4/4 - x^2/2 + y^2 + 3 x y/10 - 2 x by x and by y, at places of rest or not."""
+    ens = lay_out_ensemble(PAIR, rm.Constant(2.0))
+    body = WrittenBody(ens, 0)
+    (energy,) = ens.vector_field.energy_names
+    x, y = np.random.default_rng(5).uniform(-2.0, 2.0, (2, 9))
+    slopes = body.observable_slopes(energy, body.states(np.column_stack([x, y])))
+    expected = np.column_stack([x**3 - x + 0.3 * y - 2.0, 2.0 * y + 0.3 * x])
+    np.testing.assert_allclose(slopes, expected, rtol=1e-12, atol=1e-12)
