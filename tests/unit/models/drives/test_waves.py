@@ -42,7 +42,7 @@ def test_frequencies_are_checked(make: Any, message: str) -> None:
 
 
 def test_terms_without_a_load_count_for_the_period_where_theirs_is_varied() -> None:
-    """Terms at 1 and 1/2 of omega: the second doubles the period once its load may differ from 0."""
+    """At 1 and 1/2 of omega: the second doubles the period once its load may differ from 0."""
     drive = Sines([0.3, 0.0], [1.0, 0.5], 2.0)
     assert drive.period == pytest.approx(np.pi)
     assert drive.with_varied(["omega"]) is drive

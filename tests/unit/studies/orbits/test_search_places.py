@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -12,6 +14,7 @@ from remanent.studies.orbits._checks import require_state_box
 from remanent.studies.orbits._grid_search import _box_guesses
 from remanent.studies.orbits._orbit_search import OrbitSearch, is_inside_box
 from remanent.studies.orbits._period_map import StroboscopicMap
+from remanent.studies.orbits._planar_search import _first_grid
 from remanent.studies.orbits._search_region import (
     _STRETCHES,
     _USUAL_STRETCHES,
@@ -100,3 +103,20 @@ def test_possible_stretches_are_those_with_a_finite_energy(known: tuple[int, int
     nowhere = EnergyLevels(np.full(LAST + 1, np.nan), np.ones(LAST + 1))
     lowest, highest = nowhere.possible_stretches
     assert lowest == highest
+
+
+@pytest.mark.parametrize("fastest", np.linspace(0.2, 9.0, 12))
+@pytest.mark.parametrize("refinement", [1, 2, 3])
+def test_a_mirrored_grid_begins_at_zero_rate(fastest: float, refinement: int) -> None:
+    """Half of the box is searched where motion can be reversed, from rates of exactly zero on."""
+    ens = lay_out_ensemble(rm.Actuator(), rm.SineSquared(0.4, 1.25))
+    box = np.array([[0.7, 1.9], [-fastest, fastest]])
+    search = OrbitSearch(StroboscopicMap(ens, (), 1e-10), box, 1, 1e-9, True, True)
+    grid = _first_grid(search, box, refinement)
+    stretches, rates = grid.edges
+    assert grid.is_mirrored
+    assert (rates[0], rates[-1]) == pytest.approx((0.0, fastest), abs=1e-12)
+    np.testing.assert_allclose(stretches[[0, -1]], box[0])
+    _, both = _first_grid(replace(search, is_reversible=False), box, refinement).edges
+    np.testing.assert_allclose(both[-rates.size :], rates, atol=1e-12)
+    np.testing.assert_allclose(both, -both[::-1], atol=1e-12)

@@ -8,7 +8,9 @@ import numpy as np
 from scipy.special import ellipk
 
 import remanent as rm
+from remanent.analysis.response.harmonics import power_share
 from remanent.studies.response._mean_rest import free_frequency, rest_under_mean_load
+from remanent.studies.response._peaks import _SHARE_WEIGHT, _share_error
 
 HARD = rm.LagrangianSystem(
     coordinates="x", kinetic="x_rate**2/2", potential="x**2/2 + x**4/4 - load*x"
@@ -31,3 +33,20 @@ def test_a_hard_spring_by_its_amplitude() -> None:
         else:
             assert (np.abs(found - exact) <= error).all()
             assert error.max() < 1e-8
+
+
+def test_the_share_of_a_harmonic_moves_with_its_samples() -> None:
+    """Two of size 1 and 1/2, shares 4/5 and 1/5: errors of both move these by no more than stated.
+
+    All that the samples may be off is given a weight, since most of it moves no share.
+    """
+    rng = np.random.default_rng(3)
+    exact = np.tile(np.array([0.0, 1.0, 0.5], dtype=complex), (200, 1))
+    size = np.geomspace(1e-12, 0.1, 200)
+    off = 0.5 * size[:, None] * np.exp(2j * np.pi * rng.uniform(size=exact.shape)) * [0, 1, 1]
+    for number, share in ((1, 0.8), (2, 0.2)):
+        numbers = np.full(200, number)
+        moved = np.abs(power_share(exact + off, numbers) - share)
+        bound = _share_error(exact, numbers, size)
+        assert (_SHARE_WEIGHT * moved <= bound).all()
+        assert bound[0] < 1e-11
