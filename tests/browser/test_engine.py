@@ -141,8 +141,8 @@ def require_agreement(laboratory: Laboratory, seed: int, count: int) -> None:
 
 
 def test_motions_agree_with_the_package(laboratory: Laboratory) -> None:
-    """Law: every kind of system and drive, to within the errors that both state."""
-    require_agreement(laboratory, seed=0, count=20)
+    """Law: random kinds of systems and drives, to within the errors that both state."""
+    require_agreement(laboratory, seed=0, count=12)
 
 
 @pytest.mark.slow

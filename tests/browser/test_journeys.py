@@ -197,6 +197,7 @@ def test_zoom_and_finer_response(visit: go.Watched) -> None:
             assert go.picture(page, view) == before
 
 
+@pytest.mark.slow
 def test_response_with_unstable_branches(browser: Browser, server: Running) -> None:
     """Branches show what is stable and what is not, with the folds between them."""
     with go.watched_page(browser, f"{server.origin}/{DAMPED}") as watched:
@@ -215,6 +216,7 @@ def test_response_with_unstable_branches(browser: Browser, server: Running) -> N
         assert "saddle" not in page.inner_text("#response .card-key")
 
 
+@pytest.mark.slow
 def test_chart_is_cancelled_and_computed(browser: Browser, server: Running) -> None:
     """A chart that goes on can be cancelled; one that is done starts motions by a click."""
     with go.watched_page(browser, f"{server.origin}/{DAMPED}") as watched:
@@ -325,6 +327,7 @@ def test_server_goes_and_comes_back(browser: Browser) -> None:
             watched.forgive_network()
 
 
+@pytest.mark.slow
 def test_store_shows_the_motion_of_a_point(browser: Browser, tmp_path: Path) -> None:
     """A click in the chart of a store shows the motion behind it, under the point's numbers."""
     actuator = rm.Actuator(temperature=350.0, dissipation=rm.Rayleigh(0.1))

@@ -52,7 +52,7 @@ def grids(draw: st.DrawFn) -> dict[str, Any]:
 
 @pytest.mark.parametrize(
     ("verb", "count"),
-    [("cycle_losses", 6), ("periodic_orbits", 6),
+    [("cycle_losses", 6), pytest.param("periodic_orbits", 6, marks=pytest.mark.slow),
      *(pytest.param(verb, 60, marks=pytest.mark.slow) for verb in _VERBS)],
 )  # fmt: skip
 @pytest.mark.filterwarnings("ignore::remanent.InputWarning")

@@ -30,11 +30,11 @@ SOLID = rm.StrainEnergy("(I1 - 3)/2 + a*(I1 - 3)**2", {"a": 0.05})
 QUICK = {
     "two directions": rm.Actuator(prestress=(0.3, -0.2), dissipation=rm.Rayleigh(0.2)),
     "relaxing": rm.Actuator(dissipation=rm.Zener(0.5, 0.7)),
+}
+SLOW = {
     "warm": rm.Actuator(
         heat=rm.Heat(2e-3, exchange=0.2), magnet=rm.Magnet(-1e-3), dissipation=rm.Rayleigh(0.2)
     ),
-}  # fmt: skip
-SLOW = {
     "fluid": rm.Actuator(dissipation=rm.KelvinVoigt(0.1)),
     "Gent": rm.Actuator(material=rm.Gent(3.0), dissipation=rm.Rayleigh(0.2)),
     "own field": rm.Actuator(magnet=rm.Magnet(demagnetisation=0.16), dissipation=rm.Rayleigh(0.2)),

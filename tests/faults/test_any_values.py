@@ -56,6 +56,7 @@ def test_sound_calls_are_sound(subject: Subject) -> None:
     assert subject.call(**subject.sound()) is not None
 
 
+@pytest.mark.slow
 def test_a_few_hundred_calls() -> None:
     """An InputError, a documented status or an answer, soon, and no warning but ours."""
     assert not wrong(list(islice(attempts(subjects(), seed=0), FEW)))

@@ -179,6 +179,7 @@ def test_ten_thousand_requests(server: Running, client: httpx.Client) -> None:
     assert is_well(server)
 
 
+@pytest.mark.slow
 @given(
     content=st.binary(max_size=200), kind=st.sampled_from(["application/json", "text/plain", ""])
 )

@@ -13,6 +13,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+import pytest
 import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -154,6 +155,7 @@ def test_poincare_section(
     )  # fmt: skip
 
 
+@pytest.mark.slow
 @fuzzed
 @given(body=bodies(), m=WILD, omega=SIZE, duration=SIZE, discard=WILD)
 def test_frequency_response(

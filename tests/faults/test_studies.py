@@ -130,7 +130,8 @@ def test_killed_runs_are_gone_on_with(whole: Path, tmp_path: Path, kills: int) -
     assert content(path) == content(whole)
 
 
-@pytest.mark.parametrize("kills", [2, pytest.param(50, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("kills", [2, 50])
 def test_killed_workers_are_replaced(whole: Path, tmp_path: Path, kills: int) -> None:
     """Tasks of dead workers are given to others, and the store is the same in the end."""
     path = tmp_path / "workers.zarr"
@@ -303,7 +304,8 @@ def test_a_worker_that_dask_has_lost_is_replaced(monkeypatch: pytest.MonkeyPatch
         assert client.submit(os.getpid, pure=False).result(60) != first
 
 
-@pytest.mark.parametrize("place", [3, pytest.param(0, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("place", [3, 0])
 def test_a_point_that_takes_this_process_down_is_given_up(
     whole: Path, tmp_path: Path, place: int
 ) -> None:

@@ -65,7 +65,9 @@ def _exponent(a: Any, x: Any, _v: Any) -> Any:
     return a + 3 * stiffness * (x**-4 - x**-5) / (1 + 2 * c * x**-6)
 
 
-@pytest.mark.parametrize("mutate", [_velocity, _load, _exponent])
+@pytest.mark.parametrize(
+    "mutate", [_velocity, *(pytest.param(m, marks=pytest.mark.slow) for m in (_load, _exponent))]
+)
 def test_a_mutated_equation_moves_a_resonance(
     mutate: Callable[[Any, Any, Any], Any], right: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -96,6 +96,7 @@ def test_from_a_new_file_to_netcdf(number: signal.Signals, expected: int, tmp_pa
     xr.testing.assert_equal(rm.load(tmp_path / "mine.nc"), loaded)
 
 
+@pytest.mark.slow
 def test_a_running_scheduler_computes_a_study(tmp_path: Path) -> None:
     """Whose workers are elsewhere, and see the same folder."""
     assert done("new", "mine", folder=tmp_path)[0] == 0

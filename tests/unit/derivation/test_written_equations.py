@@ -71,6 +71,7 @@ def test_accelerations_solve_the_euler_lagrange_equations(
         np.testing.assert_allclose(left, 0.0, atol=1e-12)
 
 
+@pytest.mark.slow
 @settings(max_examples=15)
 @given(st.integers(0, 10**6))
 def test_four_coordinates_are_solved(seed: int) -> None:

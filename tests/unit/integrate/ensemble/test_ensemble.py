@@ -106,7 +106,14 @@ def assert_same_states(
     np.testing.assert_array_equal(outcome.states[inside], reference.states[rows, :count][inside])
 
 
-@pytest.mark.parametrize("kind", [0, 1, 2], ids=["times", "strobe", "extremes"])
+@pytest.mark.parametrize(
+    "kind",
+    [
+        pytest.param(0, id="times", marks=pytest.mark.slow),
+        pytest.param(1, id="strobe"),
+        pytest.param(2, id="extremes"),
+    ],
+)
 def test_bits_do_not_depend_on_the_company(kind: int) -> None:
     """Alone, in any order, and in parts of any size: the same bits (law: Determinism)."""
     whole = driven()
@@ -175,7 +182,7 @@ def large() -> Problem:
     "kind",
     [
         pytest.param(0, id="times", marks=pytest.mark.slow),
-        pytest.param(1, id="strobe"),
+        pytest.param(1, id="strobe", marks=pytest.mark.slow),
         pytest.param(2, id="extremes", marks=pytest.mark.slow),
     ],
 )

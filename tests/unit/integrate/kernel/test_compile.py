@@ -138,6 +138,7 @@ print(ds.stretch.values.tobytes().hex()[-64:], float(ds.error))
 """
 
 
+@pytest.mark.slow
 def test_two_processes_may_start_at_once(tmp_path: Path) -> None:
     """With one empty cache between them both succeed, with the same bits."""
     environment = {**os.environ, "REMANENT_CACHE_DIR": str(tmp_path / "shared")}

@@ -48,7 +48,7 @@ def test_each_load_follows_its_own_law(drives: dict[str, Drive]) -> None:
         return [y[1], -y[0] + push - pull * y[0] / 2.0]
 
     exact = solve_ivp(
-        rates, (0.0, 9.0), (0.3, 0.0), method="DOP853", rtol=1e-11, atol=1e-11, max_step=0.01,
+        rates, (0.0, 9.0), (0.3, 0.0), method="DOP853", rtol=1e-11, atol=1e-11, max_step=0.05,
         t_eval=run.time.values,
     )  # fmt: skip
     np.testing.assert_allclose(run.x.values, exact.y[0], atol=2e-6)
