@@ -49,6 +49,7 @@ def test_bad_values_are_refused_in_words(visit: go.Watched) -> None:
     go.check_bad_values_are_refused_in_words(visit.page)
 
 
+@pytest.mark.slow
 def test_address_goes_back_and_forward(visit: go.Watched) -> None:
     """Every state is in the address: back, forward and reload give it again."""
     go.check_address_goes_back_and_forward(visit.page)
@@ -96,6 +97,7 @@ def test_preset_and_shared_address(visit: go.Watched) -> None:
     )
 
 
+@pytest.mark.slow
 def test_another_kind_of_part(visit: go.Watched) -> None:
     """Another material is another system of equations, with controls of its own."""
     page = visit.page
@@ -176,6 +178,7 @@ def test_regime_and_response_come_by_themselves(visit: go.Watched) -> None:
     assert "error" in page.inner_text("#response .card-note")
 
 
+@pytest.mark.slow
 def test_zoom_and_finer_response(visit: go.Watched) -> None:
     """A drag zooms and starts no orbit; the response can be computed for what is shown."""
     page = visit.page

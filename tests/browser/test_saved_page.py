@@ -151,7 +151,8 @@ def test_lines_and_equations_are_in_the_file(visit: go.Watched) -> None:
     assert "def rates" in page.inner_text("pre[aria-label='system.py']")
 
 
-@pytest.mark.parametrize("width", [360, pytest.param(1440, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("width", [360, 1440])
 def test_no_sideways_scroll(browser: Browser, address: str, width: int) -> None:
     """A phone shows the file as a screen does."""
     viewport = {"width": width, "height": 800}

@@ -17,6 +17,7 @@ from remanent.models.drives.base import Drive
 from tests.contracts.auto07p import FORCED, exported
 from tests.contracts.exported import Cases, random_actuator, write
 from tests.contracts.tools import require_program, run_program
+from tests.repetitions import fast_and_slow
 
 #: Response of a damped actuator to this load turns back twice.
 FOLDING = rm.Actuator(dissipation=rm.Rayleigh(0.05)), rm.SineSquared(0.4, 1.1, phase=0.3)
@@ -98,6 +99,7 @@ def require_folds(case: tuple[Any, Drive], solutions: Sequence[Solution]) -> int
     return len(folds)
 
 
+@pytest.mark.slow
 def test_auto_finds_the_folds(tmp_path: Path) -> None:
     """Law: folds of a damped actuator are those of `continue_orbit`, within 1e-6."""
     solutions = continued(rm.export(*FOLDING, "auto07p"), tmp_path)
@@ -111,7 +113,9 @@ def test_auto_finds_the_folds(tmp_path: Path) -> None:
     np.testing.assert_allclose(np.sort(seen), np.sort(own), rtol=0.0, atol=1e-6)
 
 
-@pytest.mark.parametrize("case", FORCED)
+@pytest.mark.parametrize(
+    "case", fast_and_slow(list(FORCED), ("Zener", "two loads", "case of names"))
+)
 def test_auto_continues_orbits(case: str, tmp_path: Path) -> None:
     """Law: what AUTO finds from the exported files are orbits of the engine."""
     solutions = continued(exported(case), tmp_path, [{"NMX": 9, "NPR": 3}])

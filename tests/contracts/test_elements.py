@@ -10,6 +10,7 @@ import pytest
 import remanent as rm
 from remanent.models.dissipation import Dissipation
 from tests.contracts.public import examples
+from tests.repetitions import fast_and_slow
 
 ELEMENTS: dict[str, Dissipation] = {
     **examples(Dissipation),
@@ -43,7 +44,7 @@ def test_dissipation_is_never_negative_and_balances_the_energy(
     assert float(abs(ds.balance).max()) <= 20.0 * float(ds.error)
 
 
-@every
+@pytest.mark.parametrize("element", fast_and_slow(ELEMENTS, ("Rayleigh", "Zener")))
 def test_equal_loads_keep_stretches_equal(element: Dissipation) -> None:
     """One coordinate and two are the same motion, with the same energies."""
     names = ("energy", "thickness_stretch", "thickness_stretch_rate")

@@ -211,7 +211,7 @@ def refused(material: Material, name: str, value: float) -> bool:
     return False
 
 
-@every
+@of_motion
 def test_numbers_may_be_varied_by_a_study(material: Material) -> None:
     """Each of a sweep is what the changed material gives by itself, bit for bit."""
     assert "entropic_fraction" in material.parameter_values()

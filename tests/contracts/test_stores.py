@@ -14,9 +14,12 @@ from remanent.studies.sweep.encoding import WORDS
 from remanent.studies.sweep.study import Study, study_from_plain, verbs_of_studies
 from remanent.studies.sweep.verify import Integrity, verify_store
 from tests.contracts.sound_calls import SOUND
+from tests.repetitions import fast_and_slow
 
 #: Text that is kept as text, as its words are not the same for every system.
 _FREE_TEXT = {"reason", "end_reason", "end_bound", "state", "end"}
+#: Verbs of which a store takes long.
+TAKE_SECONDS = {"basins", "locate_bifurcation", "resonances", "response_diagram", "symmetry_check"}
 
 
 def _study(verb: str) -> Study:
@@ -29,11 +32,7 @@ def _study(verb: str) -> Study:
 
 
 @pytest.mark.parametrize(
-    "verb",
-    [
-        pytest.param(verb, marks=pytest.mark.slow) if verb == "locate_bifurcation" else verb
-        for verb in verbs_of_studies()
-    ],
+    "verb", fast_and_slow(list(verbs_of_studies()), {*verbs_of_studies()} - TAKE_SECONDS)
 )
 @pytest.mark.filterwarnings("ignore::remanent.InputWarning")
 def test_a_store_is_what_the_verb_returns(

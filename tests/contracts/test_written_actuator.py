@@ -17,6 +17,7 @@ from remanent._instructions import program_cost
 from remanent.codegen.field import vector_field_for
 from remanent.models.system import System
 from tests.contracts.sound_calls import ACTUATOR_ONLY, OF_DATA_ONLY, verbs
+from tests.repetitions import fast_and_slow
 
 DRIVE = rm.SineSquared(0.4, 1.25)
 #: Numbers of the block of one coordinate.
@@ -68,8 +69,11 @@ SPAN = {"stretch": (0.3, 4.0)}
 #: A fold, and a branch that doubles.
 HOT, FOLDING = {"prestress": 0.0}, rm.SineSquared(0.4, 1.2668)
 COLD, FAST = {"temperature": 293.0, "prestress": 0.0}, rm.SineSquared(0.8, 2.4)
-#: Verbs that take long of one coordinate, and those that do not of two.
-SLOW_ONES = {"lyapunov", "resonances"}
+#: Verbs that do not take long of one coordinate, and of two.
+QUICK_ONES = {
+    "simulate", "poincare_section", "rates", "crossings", "energy_balance", "frequency_response",
+    "equilibria", "snap_through", "periodic_orbits", "fit", "sensitivity", "logarithmic_decrement",
+}  # fmt: skip
 QUICK_PAIRS = {"poincare_section", "rates", "simulate"}
 #: Words that are to be the same.
 EQUAL = "equal"
@@ -345,9 +349,7 @@ def called(case: Case, system: System) -> xr.Dataset:
     return case.call(system, **own)
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=pytest.mark.slow) if n in SLOW_ONES else n for n in CASES]
-)
+@pytest.mark.parametrize("name", fast_and_slow(list(CASES), QUICK_ONES))
 def test_a_written_actuator_of_one_coordinate(name: str) -> None:
     """Lagrange's equations from the energies alone."""
     case = CASES[name]

@@ -45,6 +45,7 @@ def test_every_verb_is_tried_with_a_system_of_ones_own(verb: str) -> None:
     assert refused.value.name == name
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "subject",
     [s for s in subjects() if s.name.removeprefix("rm.") not in SOUND],

@@ -111,6 +111,7 @@ def test_slow_clients_are_let_go() -> None:
         assert server.ask("POST", "/api/model", {"spec": SPEC}).status == 200
 
 
+@pytest.mark.slow
 def test_clients_that_do_not_read_are_let_go() -> None:
     """Law: an answer that is not taken in time is broken off, and others are served."""
     with running(answer_seconds=0.3) as server:
@@ -209,6 +210,7 @@ def test_a_file_that_nobody_waits_for_is_given_up(server: Running) -> None:
     assert eventually(lambda: is_free(server))
 
 
+@pytest.mark.slow
 def test_a_cancelled_job_leaves_its_process_ready(server: Running) -> None:
     """Law: work that listens is broken off, and the same process does the next."""
     assert eventually(lambda: is_free(server))
@@ -238,6 +240,7 @@ def test_a_process_that_dies_is_replaced(server: Running) -> None:
     assert victim not in server.explorer.process_numbers
 
 
+@pytest.mark.slow
 def test_a_process_that_does_not_listen_is_killed(server: Running) -> None:
     """Law: a cancelled job whose process hangs costs a process, not the slot."""
     assert eventually(lambda: is_free(server))

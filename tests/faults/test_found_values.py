@@ -402,6 +402,7 @@ def test_a_body_without_an_energy_is_not_searched() -> None:
     assert "energy" in str(found.reason.values)
 
 
+@pytest.mark.slow
 def test_a_load_that_grows_from_nothing_keeps_the_period() -> None:
     """A branch in a load from 0 ends on the orbit of a drive that has this load."""
     grown = rm.Sines([0.1, 0.1], [1, 3], 1.0)
@@ -499,6 +500,7 @@ def test_orbits_without_points_have_no_start() -> None:
     assert np.size(line.get_xdata()) == 0
 
 
+@pytest.mark.slow
 def test_determinants_of_infinite_stiffness_warn_of_nothing() -> None:
     """As powers of e at the end of a state box are."""
     steep = rm.LagrangianSystem(

@@ -21,7 +21,7 @@ NAMES = ["x", "y", "x", "y", "x_rate", "y_rate", "load", "k", "pi", "z", "omega"
 BROKEN = ["(", ")", "**", "x..y", "lambda: 0", "x[0]", "'a'", "1e999", "0x10", "x if x else y",
           "x;y", "x=1", "é", "9**9**9", "x.__class__", "", " ", "1/0", "((((((x))))))"]  # fmt: skip
 #: Random systems of the fast test, and of the slow one.
-COUNTS = (40, 2000)
+COUNTS = (25, 2000)
 
 
 @dataclass(frozen=True)

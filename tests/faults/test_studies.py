@@ -66,7 +66,8 @@ def test_a_store_holds_what_the_verb_returns(whole: Path) -> None:
     assert verify_store(whole).integrity is Integrity.WHOLE
 
 
-@pytest.mark.parametrize("workers", [pytest.param(1, marks=pytest.mark.slow), 2])
+@pytest.mark.slow
+@pytest.mark.parametrize("workers", [1, 2])
 def test_workers_fill_the_same_store(whole: Path, tmp_path: Path, workers: int) -> None:
     """One worker or two: every file is the same."""
     path = tmp_path / "dask.zarr"

@@ -92,6 +92,7 @@ def test_a_user_without_a_home_has_no_cache(
     assert _cache.load_bytes("kind", "key") is None
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="the table of users is POSIX")
 def test_an_unknown_user_without_a_home_computes() -> None:
     """As in a container with ``--user 12345``: no HOME, no entry in the table of users."""

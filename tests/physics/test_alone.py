@@ -12,6 +12,7 @@ import remanent as rm
 from remanent.analysis.orbits.maps import MapImage
 from remanent.studies.ensemble.layout import lay_out_ensemble
 from remanent.studies.orbits._period_map import StroboscopicMap
+from tests.repetitions import fast_and_slow
 
 HOT, DRIVE = rm.Actuator(temperature=350), rm.SineSquared(0.4, 1.25)
 DAMPED = rm.Actuator(temperature=350, dissipation=rm.Rayleigh(0.05))
@@ -33,6 +34,7 @@ def assert_same_image(one: MapImage, many: MapImage, rows: slice) -> None:
         np.testing.assert_array_equal(values, getattr(many, name)[rows], err_msg=name)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("iterate", [1, 3])
 def test_the_image_of_a_point_is_its_own(iterate: int) -> None:
     """Alone, among others in any order, and after other calls: the same bits."""
@@ -84,7 +86,7 @@ VERBS: dict[str, Any] = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("verb", VERBS.values(), ids=VERBS.keys())
+@pytest.mark.parametrize("verb", fast_and_slow(VERBS, ("continue_orbit", "manifold_crossing")))
 def test_a_member_alone_is_the_same_member_among_others(verb: Any) -> None:
     """Each value of `over` alone, after all of them together: the same bits."""
     together = verb({"b": LOADS})

@@ -14,6 +14,7 @@ import pytest
 
 import remanent as rm
 from tests.physics.block import Block
+from tests.repetitions import fast_and_slow
 
 TIMES = np.linspace(0.0, 6.0, 13)
 DRIVE = rm.Sine(0.3, 1.7, 0.1, 0.4)
@@ -93,7 +94,7 @@ PAIR = ("stretch_1", "stretch_1_rate", "stretch_2", "stretch_2_rate")
 
 
 @pytest.mark.parametrize("equal", [False, True], ids=["two", "one"])
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", fast_and_slow(list(CASES), {*CASES} - {"prony", "heat"}))
 def test_states_agree_with_dop853(name: str, equal: bool) -> None:
     """Within our bound and the reference's own error, in one coordinate and in two."""
     fields, numbers = CASES[name]

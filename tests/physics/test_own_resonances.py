@@ -51,6 +51,7 @@ def test_the_peak_of_a_linear_oscillator(damping: float, observable: str) -> Non
     assert float(ds.omega_error.max()) < 1e-6
 
 
+@pytest.mark.slow
 def test_a_hard_spring_has_superharmonic_resonance_by_thirds() -> None:
     """A cubic force answers at three times the frequency of the load, and at a third."""
     hard = oscillator("x**2/2 + x**4/4", 0.05, units={"x": "mm", "time": "s"})
@@ -62,6 +63,7 @@ def test_a_hard_spring_has_superharmonic_resonance_by_thirds() -> None:
     assert low.free_frequency.attrs["units"] == "rad s-1"
 
 
+@pytest.mark.slow
 def test_a_spring_that_the_load_changes_has_parametric_resonance() -> None:
     """x'' + c x' + (1 + load) x + x^3 = 0 leaves rest at twice its frequency."""
     pumped = rm.LagrangianSystem(
@@ -77,6 +79,7 @@ def test_a_spring_that_the_load_changes_has_parametric_resonance() -> None:
     assert ("parametric", 1, 2) in kinds
 
 
+@pytest.mark.slow
 def test_resonances_in_one_of_two_wells() -> None:
     """About the rest that is nearest to the state at rest, at the frequency of its well."""
     wells = oscillator("-x**2/2 + x**4/4", 0.3, rest={"x": 0.9})

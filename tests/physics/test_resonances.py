@@ -160,7 +160,7 @@ def test_a_response_born_by_period_doubling_is_parametric() -> None:
     assert "stable" not in inside.stability.values.tolist()
 
 
-@pytest.mark.parametrize("phase", [0.0, 1.0])
+@pytest.mark.parametrize("phase", [pytest.param(0.0, marks=pytest.mark.slow), 1.0])
 def test_the_phase_of_the_load_moves_no_peak(phase: float) -> None:
     """Law: a load that begins later has the same response later, with every peak."""
     body = rm.Actuator(dissipation=rm.Rayleigh(0.05))
@@ -171,6 +171,7 @@ def test_the_phase_of_the_load_moves_no_peak(phase: float) -> None:
     assert (np.abs(ds.omega - 0.8065515648) <= 3.0 * ds.omega_error).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("multiples", "limits"), [([2, 3], (1.15, 1.3)), ([1, 3], (0.78, 0.85))])
 def test_a_harmonic_that_the_load_has_is_a_primary_resonance(
     multiples: list[int], limits: tuple[float, float]

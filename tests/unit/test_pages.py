@@ -26,8 +26,8 @@ LISTED = [(page, block) for page, text in TEXTS.items() for block in pages.block
 #: Pages that take seconds each, most of it to compile; the slow tests run them.
 LONG = {
     *(f"docs/how-to/{name}.md" for name in (
-        "coming-from-dynamicalsystems", "materials", "orbits", "own-systems", "sensitivity",
-        "uncertainty",
+        "basins", "coming-from-dynamicalsystems", "commands", "fitting", "materials", "orbits",
+        "own-systems", "resonance", "sensitivity", "uncertainty",
     )),
     *(f"docs/explanation/{name}.md" for name in ("balloon", "heat", "two-directions", "viscosity")),
 }  # fmt: skip

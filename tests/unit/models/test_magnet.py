@@ -133,6 +133,7 @@ def test_forces_of_the_own_field_are_slopes_of_its_energy_in_two_directions() ->
         np.testing.assert_allclose(mass @ found, -3.0 * slope, rtol=1e-10, atol=1e-11)
 
 
+@pytest.mark.slow
 def test_equal_loads_keep_stretches_equal_in_the_own_field() -> None:
     """One coordinate and two are the same motion, also where the temperature moves."""
     magnet = rm.Magnet(-1e-3, demagnetisation=0.4)
@@ -148,6 +149,7 @@ def test_equal_loads_keep_stretches_equal_in_the_own_field() -> None:
     assert float(abs(one.body_temperature - two.body_temperature).max()) <= 293.0 * slack
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("load", [0.2, (0.2, -0.1)], ids=["one", "two"])
 def test_balances_close_where_the_remanence_of_the_own_field_warms(load: Any) -> None:
     """Its entropy is -d/dT of N b^2 B_r(T)^2/(2 mu mu0): it takes part in both laws."""

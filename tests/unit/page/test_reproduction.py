@@ -19,7 +19,10 @@ from remanent.page.spec import read_spec, write_spec
 from remanent.page.toml import toml_text
 from remanent.studies.sweep.study_file import read_study
 from tests.contracts.exported import CASES
+from tests.repetitions import fast_and_slow
 
+#: Systems whose equations take long to derive.
+TAKE_A_SECOND = {"of Ogden", "of ArrudaBoyce", "two stretches", "pair", "magnet", "Prony series"}
 PRESETS = {one["id"]: one["spec"] for one in presets()}
 FILM = {
     "actuator": {
@@ -66,7 +69,7 @@ def test_lines_and_study_make_the_same_motion(name: str, tmp_path: Path) -> None
         np.testing.assert_allclose(np.ravel(stored[variable]), motion[variable], rtol=1e-12)
 
 
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("case", fast_and_slow(list(CASES), {*CASES} - TAKE_A_SECOND))
 def test_lines_make_equal_values(case: str, tmp_path: Path) -> None:
     """Law: system and drive of every kind are written so that they are read as they were."""
     system, drive = CASES[case]

@@ -170,6 +170,7 @@ def test_names_in_stores_are_data(tmp_path: Path) -> None:
         assert HOSTILE.encode() not in page.body
 
 
+@pytest.mark.slow
 def test_hardware_that_varies_is_refused(tmp_path: Path) -> None:
     """Law: a study over what the scales are made of has no one page, and says so."""
     path = tmp_path / "hardware.zarr"

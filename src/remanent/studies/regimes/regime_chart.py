@@ -72,9 +72,7 @@ def regime_chart(
     Notes
     -----
     Every point is labelled by the same rules as a single motion, however fine the chart is.
-    With 300 periods some more points stay undecided than with
-    500: 8 in 100 instead of 4 where the frequency of the undamped actuator is charted
-    against its load, b from 0.1 to 1.2.
+    With fewer periods more points stay undecided.
 
     Examples
     --------

@@ -135,7 +135,7 @@ def test_bits_do_not_depend_on_the_company(kind: int) -> None:
             np.testing.assert_array_equal(a, b[which][:, :count])
 
 
-@pytest.mark.parametrize("workers", [1, 2, 5])
+@pytest.mark.parametrize("workers", [2, *(pytest.param(n, marks=pytest.mark.slow) for n in (1, 5))])
 def test_bits_do_not_depend_on_the_threads(workers: int) -> None:
     """One worker or many: the same bits."""
     whole = driven()

@@ -81,6 +81,7 @@ def test_lorenz_exponents() -> None:
     assert found.error[0, 0] < 0.03
 
 
+@pytest.mark.slow
 def test_roessler_exponents() -> None:
     """a = 0.15, b = 0.2, c = 10: largest 0.09 (Wolf 1985: 0.13 bits), the next 0."""
     rates = [-Y - Z, X + 0.15 * Y, sp.Rational(1, 5) + Z * (X - 10)]

@@ -70,6 +70,7 @@ def test_a_moving_block_is_caught(initial: tuple[float, float]) -> None:
     np.testing.assert_allclose(history.thickness_stretch, 1.2, atol=1e-8)
 
 
+@pytest.mark.slow
 def test_a_robust_command_loses_to_second_order() -> None:
     """Twice the error in the modulus: twice the vibration of two steps, four times of three."""
     actuator = rm.Actuator()
