@@ -8,13 +8,20 @@ from typing import Any
 import pytest
 
 
-def fast_and_slow(values: Iterable[str] | Mapping[str, Any], fast: Collection[str]) -> list[Any]:
-    """Parameters by name, in order; those that are not `fast` are marked as slow.
+def fast_and_slow(
+    values: Iterable[str] | Mapping[str, Any],
+    fast: Collection[str] | None = None,
+    *,
+    slow: Collection[str] = (),
+) -> list[Any]:
+    """Parameters by name, in order; those that are not `fast`, or are `slow`, are marked as slow.
 
     A mapping has the values by their names; names alone are the values themselves.
     """
     named = values if isinstance(values, Mapping) else {name: name for name in values}
-    assert set(fast) <= set(named), sorted(set(fast) - set(named))
+    unknown = {*(fast or ()), *slow} - {*named}
+    assert not unknown, f"no parameters: {sorted(unknown)}"
+    fast = {*named} - {*slow} if fast is None else fast
     return [
         pytest.param(value, id=name, marks=() if name in fast else pytest.mark.slow)
         for name, value in named.items()

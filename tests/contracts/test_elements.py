@@ -22,13 +22,7 @@ LOADS: dict[str, Any] = {"one": 0.2, "two": (0.2, -0.1)}
 DRIVE = rm.SineSquared(0.4, 1.25)
 
 every = pytest.mark.parametrize("element", ELEMENTS.values(), ids=ELEMENTS.keys())
-both = pytest.mark.parametrize(
-    "load",
-    [
-        pytest.param(load, id=name, marks=pytest.mark.slow if name == "two" else ())
-        for name, load in LOADS.items()
-    ],
-)
+both = pytest.mark.parametrize("load", fast_and_slow(LOADS, ("one",)))
 
 
 @every

@@ -19,6 +19,7 @@ from remanent.codegen import reference
 from remanent.codegen.field import vector_field_for
 from remanent.models.materials.base import Material
 from tests.contracts.public import examples
+from tests.repetitions import fast_and_slow
 
 J = sp.Symbol("I1") - 3
 MATERIALS: dict[str, Material] = {
@@ -33,13 +34,7 @@ NAMED = {name: m for name, m in MATERIALS.items() if not isinstance(m, rm.Strain
 every = pytest.mark.parametrize("material", MATERIALS.values(), ids=MATERIALS.keys())
 #: Laws of motion compile much: the fast tests ask them of one solid of each way to write one.
 FAST = ("NeoHookean", "Gent", "StrainEnergy")
-of_motion = pytest.mark.parametrize(
-    "material",
-    [
-        pytest.param(material, id=name, marks=() if name in FAST else pytest.mark.slow)
-        for name, material in MATERIALS.items()
-    ],
-)
+of_motion = pytest.mark.parametrize("material", fast_and_slow(MATERIALS, FAST))
 #: Stretches l1, l2 over the range of use, within the limits of all of the above.
 PAIRS = np.random.default_rng(1).uniform(0.7, 1.6, (20, 2))
 

@@ -27,6 +27,7 @@ from tests.contracts.sound_calls import (
     own_call,
     verbs,
 )
+from tests.repetitions import fast_and_slow
 
 NAN, INF = float("nan"), float("inf")
 #: Lengths of a run, of which exactly one is given: a bad one may be told by another.
@@ -187,11 +188,7 @@ def test_every_verb_has_a_sound_call() -> None:
 
 
 @pytest.mark.parametrize(
-    "verb",
-    [
-        pytest.param(verb, marks=pytest.mark.slow) if verb in SEARCHING_VERBS else verb
-        for verb in sorted(OWN_CHANGES)
-    ],
+    "verb", fast_and_slow(sorted(OWN_CHANGES), {*OWN_CHANGES} - {*SEARCHING_VERBS})
 )
 def test_sound_calls_with_systems_of_ones_own_are_sound(verb: str) -> None:
     """Each is read back from its result, with the status of something that was done."""

@@ -31,9 +31,7 @@ def _study(verb: str) -> Study:
     return Study(verb, system, drive, over, arguments)
 
 
-@pytest.mark.parametrize(
-    "verb", fast_and_slow(list(verbs_of_studies()), {*verbs_of_studies()} - TAKE_SECONDS)
-)
+@pytest.mark.parametrize("verb", fast_and_slow(list(verbs_of_studies()), slow=TAKE_SECONDS))
 @pytest.mark.filterwarnings("ignore::remanent.InputWarning")
 def test_a_store_is_what_the_verb_returns(
     verb: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

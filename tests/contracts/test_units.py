@@ -17,6 +17,7 @@ import pytest
 import xarray as xr
 
 import remanent as rm
+from tests.repetitions import fast_and_slow
 
 HOT = 350.0
 #: Sizes that the block has, over those that the second one was built with.
@@ -142,9 +143,7 @@ VERBS: dict[str, tuple[Callable[[rm.Actuator], xr.Dataset], str]] = {
 }  # fmt: skip
 #: Those that are tried each time.
 QUICK = ("simulate", "equilibria", "fit", "sensitivity", "uncertainty", "periodic_orbits")
-every = pytest.mark.parametrize(
-    "name", [n if n in QUICK else pytest.param(n, marks=pytest.mark.slow) for n in VERBS]
-)
+every = pytest.mark.parametrize("name", fast_and_slow(list(VERBS), QUICK))
 
 
 @cache

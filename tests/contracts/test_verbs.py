@@ -22,6 +22,7 @@ from remanent._typing import FloatArray
 from remanent.codegen import reference
 from remanent.codegen.field import vector_field_for
 from remanent.results import provenance
+from tests.repetitions import fast_and_slow
 
 DRIVE = rm.SineSquared(0.4, 1.25)
 PERIOD = np.pi / 1.25
@@ -50,9 +51,7 @@ SLOW = {
 }
 BODIES = QUICK | SLOW
 
-every = pytest.mark.parametrize(
-    "name", [*QUICK, *(pytest.param(name, marks=pytest.mark.slow) for name in SLOW)]
-)
+every = pytest.mark.parametrize("name", fast_and_slow(list(BODIES), QUICK))
 
 
 @cache

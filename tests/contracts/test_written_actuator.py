@@ -361,12 +361,7 @@ def test_a_written_actuator_of_one_coordinate(name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "name",
-    [
-        n if n in QUICK_PAIRS else pytest.param(n, marks=pytest.mark.slow)
-        for n, case in CASES.items()
-        if case.pair
-    ],
+    "name", fast_and_slow([n for n, case in CASES.items() if case.pair], QUICK_PAIRS)
 )
 def test_a_written_actuator_of_two_coordinates(name: str) -> None:
     """The same of a pair of coupled coordinates."""

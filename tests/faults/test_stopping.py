@@ -19,6 +19,7 @@ import numpy as np
 import pytest
 
 import remanent as rm
+from tests.repetitions import fast_and_slow
 
 #: From the signal to the exception, seconds.
 LONGEST_WAIT = 2.0
@@ -68,9 +69,7 @@ LONG_CALLS: dict[str, Callable[[], Any]] = {
 }
 #: Those that run in `make test` as well.
 FAST = ("periodic_orbits", "symmetry_check", "classify", "simulate")
-VERBS = [
-    name if name in FAST else pytest.param(name, marks=pytest.mark.slow) for name in LONG_CALLS
-]
+VERBS = fast_and_slow(list(LONG_CALLS), FAST)
 
 
 @pytest.fixture

@@ -18,6 +18,7 @@ import remanent as rm
 from docs import pages
 from remanent.cli.main import commands
 from tests.contracts.tools import require_program, run_octave, run_program
+from tests.repetitions import fast_and_slow
 
 ROOT = Path(__file__).parents[2]
 STATIC = ROOT / "docs" / "_static"
@@ -39,10 +40,7 @@ def blocks_of(page: str, language: str) -> list[pages.Block]:
     return [block for block in pages.blocks_of(TEXTS[page]) if block.language == language]
 
 
-@pytest.mark.parametrize(
-    "page",
-    [pytest.param(page, marks=pytest.mark.slow) if page in LONG else page for page in RUNNING],
-)
+@pytest.mark.parametrize("page", fast_and_slow(RUNNING, slow=LONG))
 def test_code_runs(page: str, tmp_path: Path) -> None:
     """The Python blocks of a page run in order, in an empty folder, without a warning.
 

@@ -31,6 +31,7 @@ from remanent.models.magnet import Magnet
 from remanent.models.materials.named import Ogden
 from remanent.models.materials.strain_energy import StrainEnergy
 from remanent.models.temperature_shift import WLF
+from tests.repetitions import fast_and_slow
 
 X, Y, A, U = sp.symbols("x y a u", positive=True)
 LEVELS = {
@@ -170,13 +171,7 @@ def check_against_sympy(name: str, count: int) -> None:
             assert abs(mpmath.mpf(float(value)) - truth) <= allowed
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        pytest.param(name, marks=pytest.mark.slow) if name == "prony" else name
-        for name in MODELS | UNEXPANDED
-    ],
-)
+@pytest.mark.parametrize("name", fast_and_slow(list(MODELS | UNEXPANDED), slow=("prony",)))
 def test_code_agrees_with_sympy(name: str) -> None:
     """The code of every model has the values of its symbolic expressions."""
     check_against_sympy(name, 50)
