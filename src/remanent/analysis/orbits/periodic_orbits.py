@@ -11,6 +11,9 @@ from remanent.analysis.orbits.maps import Map
 
 #: Newton steps at most.
 _MAX_NEWTON_STEPS = 25
+#: A guess makes progress where its residual falls below this share of what it was at the last
+#: progress.
+_PROGRESS_SHARE_OF_RESIDUAL = 0.7
 #: Longest step of a component of the state: far from an orbit a whole step leads anywhere.
 _MAX_NEWTON_STEP_COMPONENT = 0.25
 #: A residual cannot be expected to fall below this many times the error of the image.
@@ -69,6 +72,7 @@ def newton_fixed_points(
     tolerance: float,
     box: FloatArray,
     max_error: float = 1e-6,
+    patience: int = _MAX_NEWTON_STEPS,
 ) -> PeriodicOrbits:
     """Fixed points of an iterate of a map, from many guesses; those that were reached.
 
@@ -86,10 +90,13 @@ def newton_fixed_points(
         given up.
     max_error : float
         So are guesses whose image has a larger error.
+    patience : int
+        So are guesses that have made no progress for so many steps in a row.
     """
     x, p = guesses.copy(), parameters
     if not len(x):
         return concatenate_orbits([], map_.dimension)
+    least, idle = np.full(len(x), np.inf), np.zeros(len(x), dtype=np.int64)
     centre, width = box.mean(axis=1), box[:, 1] - box[:, 0]
     parts: list[PeriodicOrbits] = []
     for _ in range(_MAX_NEWTON_STEPS):
@@ -104,10 +111,14 @@ def newton_fixed_points(
             points = PeriodicOrbits(x, image.jacobian, residual, image.error)
             parts.append(points.subset(reached))
         is_close = (np.abs(x + move - centre) <= width).all(axis=1)
+        progress = residual < _PROGRESS_SHARE_OF_RESIDUAL * least
+        least, idle = np.where(progress, residual, least), np.where(progress, 0, idle + 1)
         going_on = ~converged & accurate & np.isfinite(move).all(axis=1) & is_close
+        going_on &= idle < patience
         if not going_on.any():
             break
         x, p = (x + move)[going_on], p[going_on]
+        least, idle = least[going_on], idle[going_on]
     return concatenate_orbits(parts, map_.dimension)
 
 

@@ -38,6 +38,9 @@ _ROUGH_FINEST_RESOLUTION_PER_TIME = 50.0
 _ROUGH_FINEST_RESOLUTION = 128
 #: Residual of the orbits of the first search, and largest error of the image of a guess.
 _ROUGH_RESIDUAL = 10.0 * _ROUGH_PERIOD_TOLERANCE
+#: Steps without progress after which a guess of the first search is given up: most wander for
+#: ever, and those that arrive rarely pause for so long.
+_ROUGH_PATIENCE = 5
 #: Binary digits that tell the cells of the first search: guesses lie far apart in the box.
 _ROUGH_STATE_CELL_BITS = 1
 #: Guesses in the box along each stretch and rate, by their number, where orbits are looked for
@@ -76,7 +79,7 @@ def search_from_grid(search: OrbitSearch, row: FloatArray) -> OrbitSearchOutcome
     numbered = np.column_stack([np.tile(row, (len(guesses), 1)), np.arange(len(guesses))])
     rough = newton_fixed_points(
         guess_map, guesses, numbered, iterate=search.orbit_period, tolerance=_ROUGH_RESIDUAL,
-        box=search.state_box, max_error=_ROUGH_RESIDUAL,
+        box=search.state_box, max_error=_ROUGH_RESIDUAL, patience=_ROUGH_PATIENCE,
     )  # fmt: skip
     # Many guesses lead to one point: near each only one is refined.
     _, first = np.unique(np.round(rough.state, 4), axis=0, return_index=True)

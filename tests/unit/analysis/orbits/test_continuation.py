@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections import Counter
+from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
@@ -256,6 +257,22 @@ class Logistic:
         )
 
 
+@dataclass
+class WithoutFixedPoint:
+    """x -> x^2 + x + p, which has none where p > 0; counts how often it is applied to each p."""
+
+    applied: Counter[float] = field(default_factory=Counter)
+    dimension: int = 1
+
+    def __call__(self, states: FloatArray, parameters: FloatArray, iterate: int) -> MapImage:
+        x, p = states[:, 0], parameters[:, 0]
+        self.applied.update(p.tolist())
+        return MapImage(
+            (x**2 + x + p)[:, None], (2.0 * x + 1.0)[:, None, None], np.ones((len(x), 1, 1)),
+            np.full(len(x), EPS),
+        )  # fmt: skip
+
+
 @dataclass(frozen=True)
 class Delayed:
     """The delayed logistic map (x, y) -> (r x (1 - y), x): a Neimark-Sacker point at r = 2."""
@@ -422,6 +439,24 @@ def logistic_orbits(r: float, period: int) -> FloatArray:
 def test_numbers_of_orbits_of_the_full_logistic_map(period: int, count: int) -> None:
     """At r = 4 the orbits of least period q are counted by Moebius inversion of 2^q."""
     assert len(logistic_orbits(4.0, period)) == count
+
+
+@pytest.mark.parametrize("patience", [1, 3, 5])
+def test_a_guess_without_progress_is_given_up(patience: int) -> None:
+    """x^2 + p = 0 has the root 0 for p = 0, to which Newton's method halves its steps; none else.
+
+    Where p >= 1 the residual is at least p and begins as 0.09 + p, so that it never falls to 0.7
+    of that.
+    """
+    p = np.array([0.0, 1.0, 2.0, 4.0])
+    map_ = WithoutFixedPoint()
+    found = newton_fixed_points(
+        map_, np.full((4, 1), 0.3), p[:, None], iterate=1, tolerance=1e-12,
+        box=np.array([[-50.0, 50.0]]), patience=patience,
+    )  # fmt: skip
+    np.testing.assert_allclose(found.state, [[0.0]], atol=1e-6)
+    # 0.3^2 / 4^k falls below 1e-12 at k = 19.
+    assert [map_.applied[value] for value in p] == [20, patience + 1, patience + 1, patience + 1]
 
 
 def test_orbits_of_the_logistic_map() -> None:
