@@ -112,9 +112,7 @@ def results_of_all(work: Callable[[S], T], parts: Sequence[S]) -> list[T]:
 
 
 def as_finished(futures: Collection[Future[T]]) -> Iterator[Future[T]]:
-    """Futures as they end, awaited a little at a time.
-
-    Windows delivers Ctrl-C to the main thread between two waits only.
+    """Futures as they end.
 
     Parameters
     ----------
@@ -122,5 +120,22 @@ def as_finished(futures: Collection[Future[T]]) -> Iterator[Future[T]]:
     """
     waiting = set(futures)
     while waiting:
-        done, waiting = wait(waiting, timeout=_WAITING_SECONDS, return_when=FIRST_COMPLETED)
+        done = first_finished(waiting)
+        waiting -= done
         yield from done
+
+
+def first_finished(futures: Collection[Future[T]]) -> set[Future[T]]:
+    """Those of some futures that have ended, as soon as one has; awaited a little at a time.
+
+    Windows delivers Ctrl-C to the main thread between two waits only.
+
+    Parameters
+    ----------
+    futures : collection of Future
+        Not empty.
+    """
+    done: set[Future[T]] = set()
+    while not done:
+        done, _ = wait(futures, timeout=_WAITING_SECONDS, return_when=FIRST_COMPLETED)
+    return done

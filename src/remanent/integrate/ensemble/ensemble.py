@@ -33,6 +33,7 @@ from remanent.integrate.ensemble.resolution import (
     estimate_resolutions_from_beginnings,
     initial_resolution,
 )
+from remanent.integrate.ensemble.run import Attempt, Chunk
 from remanent.integrate.ensemble.work_sizes import DEFAULT_WORK_SIZES, WorkSizes
 from remanent.integrate.kernel.options import KernelOptions, Method
 
@@ -115,14 +116,17 @@ def integrate(
         pending = estimate_resolutions_from_beginnings(
             pool, problem, search, pending, method, most=max_resolution
         )
-        while pending.indices.size:
-            pending = best.without_unaffordable(pending)
-            attempts = pool.run_attempts(problem, search, pending)
-            pending = PendingTrajectories.concatenated(
-                [best.record_attempt(policy, *finished) for finished in attempts]
-            )
+        finished = problem.duration.size - pending.indices.size
+
+        def record(chunk: Chunk, attempt: Attempt) -> PendingTrajectories:
+            nonlocal finished
+            again = best.without_unaffordable(best.record_attempt(policy, chunk, attempt))
+            finished += chunk.indices.size - again.indices.size
             if progress is not None:
-                progress(1.0 - pending.indices.size / max(problem.duration.size, 1))
+                progress(finished / problem.duration.size)
+            return again
+
+        pool.run_until_settled(problem, search, best.without_unaffordable(pending), record)
         if request.times is not None or request.inspect_window is not None:
             return best.outcome_with_samples(
                 pool.run_attempts(problem, request, best.computed_trajectories())

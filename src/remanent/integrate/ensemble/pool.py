@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future
 from dataclasses import dataclass
 from types import TracebackType
 from typing import Self
 
 import numpy as np
 
-from remanent._threads import StoppableThreads, as_finished
-from remanent._typing import IntArray
+from remanent._threads import StoppableThreads, as_finished, first_finished
+from remanent._typing import BoolArray, IntArray
 from remanent.integrate.ensemble.attempt import attempt_chunk
 from remanent.integrate.ensemble.counts import (
     counts_of_double_steps,
@@ -47,6 +49,14 @@ class PendingTrajectories:
             np.concatenate([nothing, *(pending.indices for pending in lists)]),
             np.concatenate([nothing, *(pending.resolution for pending in lists)]),
         )
+
+    def subset(self, where: BoolArray) -> PendingTrajectories:
+        """Some of them."""
+        return PendingTrajectories(self.indices[where], self.resolution[where])
+
+
+#: ``record(chunk, attempt)``: takes in an attempt, and tells what to try again, and how finely.
+RecordFunction = Callable[[Chunk, Attempt], PendingTrajectories]
 
 
 class KernelPool:
@@ -103,7 +113,55 @@ class KernelPool:
         self, problem: Problem, request: Request, pending: PendingTrajectories
     ) -> Iterator[tuple[Chunk, Attempt]]:
         """Integrate trajectories, each at its resolution; chunks come as they are finished."""
-        run = Run(
+        run = self._run(problem, request)
+        futures = {
+            self._executor.submit(attempt_chunk, run, chunk): chunk
+            for chunk in self._chunks(problem, pending)
+        }
+        for future in as_finished(futures):
+            yield futures[future], future.result()
+
+    def run_until_settled(
+        self,
+        problem: Problem,
+        request: Request,
+        pending: PendingTrajectories,
+        record: RecordFunction,
+    ) -> None:
+        """Integrate trajectories again and again, until there is none to be tried again.
+
+        The coarsest are first: what must be refined meets what was waiting for that resolution,
+        and groups are fuller.
+
+        Parameters
+        ----------
+        problem : Problem
+        request : Request
+        pending : PendingTrajectories
+        record : callable
+            Called from this thread with each chunk and its attempt; returns what to try again, at
+            finer resolutions.
+        """
+        run = self._run(problem, request)
+        coarsest: deque[Chunk] = deque()
+        running: dict[Future[Attempt], Chunk] = {}
+        while running or coarsest or pending.indices.size:
+            if not coarsest and pending.indices.size:
+                is_coarsest = pending.resolution == pending.resolution.min()
+                coarsest.extend(self._chunks(problem, pending.subset(is_coarsest)))
+                pending = pending.subset(~is_coarsest)
+            while coarsest and len(running) < self.thread_count:
+                chunk = coarsest.popleft()
+                running[self._executor.submit(attempt_chunk, run, chunk)] = chunk
+            if len(running) < self.thread_count and pending.indices.size:
+                continue
+            for future in first_finished(running):
+                again = record(running.pop(future), future.result())
+                pending = PendingTrajectories.concatenated([pending, again])
+
+    def _run(self, problem: Problem, request: Request) -> Run:
+        """What all chunks of a run have in common."""
+        return Run(
             problem,
             request,
             self.kernel_pair,
@@ -111,15 +169,12 @@ class KernelPool:
             self._cycle_tables,
             self.work_sizes,
         )
-        lane_count = self.kernel_pair.lane_count
-        futures = {
-            self._executor.submit(attempt_chunk, run, chunk): chunk
-            for chunk in divide_into_chunks(
-                problem, pending, lane_count, self.thread_count, self.work_sizes
-            )
-        }
-        for future in as_finished(futures):
-            yield futures[future], future.result()
+
+    def _chunks(self, problem: Problem, pending: PendingTrajectories) -> Iterator[Chunk]:
+        """Trajectories as tasks of threads."""
+        return divide_into_chunks(
+            problem, pending, self.kernel_pair.lane_count, self.thread_count, self.work_sizes
+        )
 
 
 def divide_into_chunks(
