@@ -70,6 +70,7 @@ class Kernel:
         every: int = 0,
         first_cycle: int = 0,
         first_step: int = 0,
+        double_steps: int | None = None,
     ) -> None:
         """Advance all groups by at most `cycles` cycles, in place, without the GIL.
 
@@ -89,15 +90,19 @@ class Kernel:
         first_cycle, first_step : int
             Cycles of the piece before this call, and fine steps of each cycle before those in
             the tables.  Times are counted from the start of the piece.
+        double_steps : int, optional
+            In a cycle, where lanes have their own: the most of any of them.  The tables are then
+            those of several numbers of steps, one after the other.
         """
         fine, coarse = tables
-        groups, double_steps = lanes.shape[0], coarse.shape[0]
+        groups = lanes.shape[0]
+        double_steps = coarse.shape[0] if double_steps is None else double_steps
         if (
             lanes.shape[1:] != (self.layout.slot_count, self.lane_count)
             or not lanes.flags.c_contiguous
         ):
             raise ValueError(f"wrong shape of lanes: {lanes.shape}")
-        if fine.shape[0] != 2 * double_steps:
+        if fine.shape[0] != 2 * coarse.shape[0]:
             raise ValueError("fine and coarse tables do not belong together")
         if every:
             needed = 2 * double_steps * cycles // every

@@ -71,6 +71,8 @@ class RunConstants:
     run_end: Lanes
     tolerance: Lanes
     error_ceiling: Lanes
+    double_steps: Lanes
+    first_row: Lanes
 
     @classmethod
     def read(cls, slots: GroupSlots) -> Self:

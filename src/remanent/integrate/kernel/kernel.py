@@ -22,7 +22,12 @@ from llvmlite import ir
 from remanent._field import Field
 from remanent.integrate.kernel.error_monitor import ErrorMonitor
 from remanent.integrate.kernel.extreme_tracker import ExtremeTracker, StepStates
-from remanent.integrate.kernel.field_code import FieldCode, LoadTable, build_outlined_rates
+from remanent.integrate.kernel.field_code import (
+    FieldCode,
+    LoadTable,
+    OwnSteps,
+    build_outlined_rates,
+)
 from remanent.integrate.kernel.group import Cycle, GroupSlots, RunConstants, TrajectoryCells
 from remanent.integrate.kernel.lanes import DOUBLE_TYPE, INTEGER_TYPE, Writer
 from remanent.integrate.kernel.lockstep import Lockstep
@@ -132,6 +137,8 @@ class GroupKernel:
     ----------
     extreme_tracker : ExtremeTracker, optional
         Where extremes are followed.
+    own_steps : OwnSteps, optional
+        Where lanes have their own.
     """
 
     options: KernelOptions
@@ -142,6 +149,7 @@ class GroupKernel:
     error_monitor: ErrorMonitor
     extreme_tracker: ExtremeTracker | None
     recorder: Recorder
+    own_steps: OwnSteps | None
 
     @classmethod
     def from_slots(
@@ -157,9 +165,15 @@ class GroupKernel:
         w = slots.writer
         cells = TrajectoryCells.read_from_slots(slots)
         nodes, columns = len(method.nodes), 1 + len(code.field.waveform_names)
+        own = None
+        if options.lanes_have_own_steps:
+            own = OwnSteps.of_group(run, argument_values.double_step_count)
         fine, coarse = (
-            LoadTable(w, table, nodes, columns)
-            for table in (argument_values.fine_table, argument_values.coarse_table)
+            LoadTable(w, table, nodes, columns, times, own)
+            for table, times in (
+                (argument_values.fine_table, 2),
+                (argument_values.coarse_table, 1),
+            )
         )
         stepper = create_stepper(method, options, code, slots)
         count = options.coarse_variable_count or len(code.field.state_names)
@@ -185,6 +199,7 @@ class GroupKernel:
                 slots.group_number,
                 argument_values.record_interval_in_fine_steps,
             ),
+            own,
         )
 
     def write_loops(self) -> None:
@@ -218,11 +233,13 @@ class GroupKernel:
         first = b.mul(number, w.integer_constant(2))
         second = b.add(first, w.integer_constant(1))
         left, coarse_left = self.lockstep.fine_state(), self.lockstep.coarse_state()
-        middle = self.lockstep.fine_step(first)
-        right = self.lockstep.fine_step(second)
+        # Lanes whose cycle is over stay where they are.
+        moving = None if self.own_steps is None else self.own_steps.last_until(number)
+        middle = self.lockstep.fine_step(first, moving)
+        right = self.lockstep.fine_step(second, moving)
         states = StepStates(left, middle, right, None, None)
         if self.options.has_coarse_solution:
-            coarse_right = self.lockstep.coarse_step(number)
+            coarse_right = self.lockstep.coarse_step(number, moving)
             states = StepStates(left, middle, right, coarse_left, coarse_right)
         if self.extreme_tracker and near_an_end is not None:
             self.extreme_tracker.keep_eventful_step(states, cycle, first, second, near_an_end)

@@ -9,7 +9,7 @@ instructions, so a result does not depend on the neighbours of its trajectory.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
@@ -84,6 +84,21 @@ class Writer:
     def load_scalar(self, pointer: ir.Value, index: ir.Value) -> ir.Value:
         return self.builder.load(self.builder.gep(pointer, [index]))
 
+    def load_rows(self, pointer: ir.Value, first: Lanes, count: int) -> list[Lanes]:
+        """For every lane so many numbers, from ``pointer[first]`` on."""
+        b = self.builder
+        index = b.fptosi(first.ir_value, ir.VectorType(INTEGER_TYPE, self.lane_count))
+        numbers = [ir.Constant(_LANE_INDEX_TYPE, lane) for lane in range(self.lane_count)]
+        rows = [b.gep(pointer, [b.extract_element(index, number)]) for number in numbers]
+        values = []
+        for k in range(count):
+            value = ir.Constant(self.vector_type, ir.Undefined)
+            for number, row in zip(numbers, rows, strict=True):
+                scalar = self.load_scalar(row, self.integer_constant(k))
+                value = b.insert_element(value, scalar, number)
+            values.append(Lanes(self, value))
+        return values
+
     def new_cell(self) -> Cell:
         """A mutable cell without a value; the optimiser turns it into registers."""
         with self.builder.goto_entry_block():
@@ -94,6 +109,26 @@ class Writer:
         cell = self.new_cell()
         cell.set(initial)
         return cell
+
+    def either(
+        self,
+        condition: ir.Value,
+        if_true: Callable[[], Sequence[Lanes]],
+        if_false: Callable[[], Sequence[Lanes]],
+    ) -> list[Lanes]:
+        """What one of two functions writes, whichever a scalar condition says when it runs."""
+        ways = []
+        with self.builder.if_else(condition) as branches:
+            for branch, write in zip(branches, (if_true, if_false), strict=True):
+                with branch:
+                    ways.append((write(), self.builder.block))
+        joined = []
+        for values in zip(*(values for values, _ in ways), strict=True):
+            phi = self.builder.phi(self.vector_type)
+            for value, (_, block) in zip(values, ways, strict=True):
+                phi.add_incoming(value.ir_value, block)
+            joined.append(Lanes(self, phi))
+        return joined
 
     @contextmanager
     def loop(self, count: ir.Value) -> Iterator[tuple[ir.Value, Callable[[ir.Value], None]]]:

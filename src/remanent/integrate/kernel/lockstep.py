@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from llvmlite import ir
 
 from remanent.integrate.kernel.field_code import LoadTable
 from remanent.integrate.kernel.group import GroupSlots, TrajectoryCells
-from remanent.integrate.kernel.lanes import Lanes
+from remanent.integrate.kernel.lanes import Lanes, Mask
 from remanent.integrate.kernel.options import Method
 from remanent.integrate.kernel.stepping import StepEnd, Stepper
 from remanent.integrate.methods.runge_kutta import compensated_sum
@@ -48,24 +49,32 @@ class Lockstep:
         """Start the coarse solution anew from the fine one."""
         self.trajectory_cells.coarse.set(self.fine_state()[: self.coarse_variable_count])
 
-    def fine_step(self, step: ir.Value) -> list[Lanes]:
-        """A step of h; rounding is compensated where the method says so."""
+    def fine_step(self, step: ir.Value, moving: Mask | None = None) -> list[Lanes]:
+        """A step of h; rounding is compensated where the method says so.
+
+        Parameters
+        ----------
+        step : ir.Value
+            Its number in the cycle.
+        moving : Mask, optional
+            Trajectories that take it, if not all do.
+        """
         y, loads = self.fine_state(), self.fine_loads.load_at_nodes_of_step(step)
 
         def update(change: list[Lanes]) -> list[Lanes]:
             if self.method.has_compensated_sum:
-                moved, compensation = compensated_sum(
-                    y, change, self.trajectory_cells.compensation.get()
-                )
-                self.trajectory_cells.compensation.set(compensation)
+                before = self.trajectory_cells.compensation.get()
+                moved, compensation = compensated_sum(y, change, before)
+                self.trajectory_cells.compensation.set(_moved(moving, compensation, before))
             else:
                 moved = [a + b for a, b in zip(y, change, strict=True)]
+            moved = _moved(moving, moved, y)
             self.trajectory_cells.fine.set(moved)
             return moved
 
         return self.stepper.advance("fine", y, self.fine_step_length, loads, update)
 
-    def coarse_step(self, step: ir.Value) -> list[Lanes]:
+    def coarse_step(self, step: ir.Value, moving: Mask | None = None) -> list[Lanes]:
         """A step of 2h, rounded to fewer digits.
 
         Errors of rounding grow along the motion like any other.  Those of the coarse
@@ -77,6 +86,7 @@ class Lockstep:
         def update(change: list[Lanes]) -> list[Lanes]:
             bits = self.method.coarse_solution_lost_bits
             moved = [_without_last_bits(a + b, bits) for a, b in zip(y, change, strict=True)]
+            moved = _moved(moving, moved, y)
             self.trajectory_cells.coarse.set(moved)
             return moved
 
@@ -95,6 +105,13 @@ class Lockstep:
             "coarse": StepEnd(self.coarse_state, self.coarse_loads.load_at_nodes_of_step(last)),
         }
         self.stepper.save_past_rates(slots, ends)
+
+
+def _moved(moving: Mask | None, after: Sequence[Lanes], before: Sequence[Lanes]) -> list[Lanes]:
+    """What holds after a step, and of trajectories that do not take it before."""
+    if moving is None:
+        return list(after)
+    return [moving.select(a, b) for a, b in zip(after, before, strict=True)]
 
 
 def _without_last_bits(x: Lanes, bits: int) -> Lanes:

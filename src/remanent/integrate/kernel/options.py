@@ -37,6 +37,10 @@ class KernelOptions:
         How many of the first state variables the coarse solution has (all by default): these
         must not depend on the others, whose error is then not estimated.  Only with
         `estimates_error_per_cycle`.
+    lanes_have_own_steps : bool
+        Trajectories of one group may differ in how many double steps they take in a cycle; those
+        that need fewer wait for the others at its end.  Only for methods that need no past, and
+        not with `follows_extremes`.
     """
 
     follows_extremes: bool = False
@@ -45,6 +49,7 @@ class KernelOptions:
     estimates_error_per_cycle: bool = False
     absolute_error_count: int | None = None
     coarse_variable_count: int | None = None
+    lanes_have_own_steps: bool = False
 
 
 def build_slot_layout(field: Field, options: KernelOptions) -> SlotLayout:

@@ -41,6 +41,9 @@ _DOUBLE_STEPS_PER_CHUNK = 4096
 _FIRST_RESOLUTION = 8
 #: Errors from here on no longer follow the order of the method.
 _ASYMPTOTIC_ERROR_LIMIT = 1.0
+#: Errors below this are round-off where steps shorter by the factor below do not halve them.
+_LARGEST_ROUND_OFF = 1e-10
+_TELLING_REFINEMENT_FACTOR = 1.4
 
 
 @dataclass(frozen=True)
@@ -123,10 +126,28 @@ class _StartingPoints:
 
 @dataclass(frozen=True)
 class _Segment:
-    """Some groups of one resolution, advanced by one call of the kernel."""
+    """Some groups that are advanced by one call of the kernel.
+
+    Attributes
+    ----------
+    groups : slice
+        Several of one resolution, or one whose lanes differ.
+    levels : array (lane,) of int
+        The resolutions of the lanes of each group.
+    """
 
     groups: slice
-    level: int
+    levels: IntArray
+
+    @property
+    def finest_level(self) -> int:
+        """Of the lanes, which take as long as the finest of them."""
+        return int(self.levels[0])
+
+    @property
+    def is_mixed(self) -> bool:
+        """Whether its lanes differ."""
+        return bool(self.levels[-1] != self.levels[0])
 
 
 @dataclass(frozen=True)
@@ -136,9 +157,9 @@ class _Lanes:
     Attributes
     ----------
     points : array (lane,) of int
-        The point of each lane.  The last group of a resolution is filled up with copies.
+        The point of each lane.  The last group is filled up with copies.
     levels : array (lane,) of int
-        The resolution of each lane.
+        The resolution of each lane, the finest first.
     lane_count : int
         Lanes of a group.
     """
@@ -150,24 +171,22 @@ class _Lanes:
     @classmethod
     def of_points(cls, points: IntArray, levels: IntArray, lane_count: int) -> _Lanes:
         """Lanes for points that have these resolutions."""
-        order = np.argsort(levels, kind="stable")
-        sorted_levels = levels[order]
-        firsts = np.flatnonzero(np.diff(sorted_levels, prepend=-1))
-        counts = np.diff(firsts, append=levels.size)
-        sizes = -(-counts // lane_count) * lane_count
-        place_in_level = np.arange(sizes.sum()) - np.repeat(np.cumsum(sizes) - sizes, sizes)
-        place = np.repeat(firsts, sizes) + np.minimum(place_in_level, np.repeat(counts - 1, sizes))
-        return cls(points[order[place]], sorted_levels[place], lane_count)
+        order = np.argsort(-levels, kind="stable")
+        padded = -(-levels.size // lane_count) * lane_count
+        order = order[np.minimum(np.arange(padded), levels.size - 1)]
+        return cls(points[order], levels[order], lane_count)
 
     def segments(self) -> Iterator[_Segment]:
-        """All groups, in segments of one resolution."""
-        levels = self.levels[:: self.lane_count]
-        firsts = np.flatnonzero(np.diff(levels, prepend=-1)).tolist()
-        for begin, end in itertools.pairwise([*firsts, levels.size]):
+        """All groups: those of one resolution together, and each whose lanes differ by itself."""
+        levels = self.levels.reshape(-1, self.lane_count)
+        is_mixed = levels[:, 0] != levels[:, -1]
+        changes = (np.diff(levels[:, 0], prepend=-1) != 0) | is_mixed
+        changes[1:] |= is_mixed[:-1]
+        firsts = np.flatnonzero(changes).tolist()
+        for begin, end in itertools.pairwise([*firsts, len(levels)]):
             for first in range(begin, end, _GROUPS_PER_SEGMENT):
-                yield _Segment(
-                    slice(first, min(first + _GROUPS_PER_SEGMENT, end)), int(levels[begin])
-                )
+                groups = slice(first, min(first + _GROUPS_PER_SEGMENT, end))
+                yield _Segment(groups, levels[begin])
 
     def chunks(self, periods: int) -> list[list[_Segment]]:
         """The segments, in chunks that are worth a thread."""
@@ -178,7 +197,7 @@ class _Lanes:
                 chunks.append([])
                 room = _DOUBLE_STEPS_PER_CHUNK
             chunks[-1].append(segment)
-            room -= (segment.groups.stop - segment.groups.start) * segment.level * periods
+            room -= (segment.groups.stop - segment.groups.start) * segment.finest_level * periods
         return chunks
 
 
@@ -233,6 +252,7 @@ class PeriodMap:
             has_coarse_solution=error_control != "none",
             absolute_error_count=self.dimension,
             coarse_variable_count=self.dimension if state_only else None,
+            lanes_have_own_steps=True,
         )
         self.kernel: Kernel = compiled_kernel(
             with_tangents if self.column_count else field, method, options
@@ -280,7 +300,8 @@ class PeriodMap:
         resolution : array (point,) or int
             Double steps per period to begin with; the image says which were enough.
         max_resolution : int
-            Most double steps per period; points that need more keep the error they have.
+            Most double steps per period; points that need more keep the error they have.  So do
+            points whose error is round-off, which shorter steps do not make smaller.
         visited : bool
             Keep the state after each period.
 
@@ -298,6 +319,7 @@ class PeriodMap:
         ends, error = np.full(points.states_and_tangents.shape, np.nan), np.full(count, np.inf)
         last_error = np.full(ends.shape, np.nan)
         path = np.full((count, cycles, d), np.nan) if visited else None
+        halved_error, halved_level = np.full(count, np.inf), np.zeros(count, dtype=np.int64)
         pending = np.arange(count)
         while pending.size:
             lanes = _Lanes.of_points(pending, levels[pending], self.kernel.lane_count)
@@ -307,7 +329,12 @@ class PeriodMap:
             difference = fine - memory.state_vectors("coarse")
             last_error[lanes.points] = self._error_per_solution_difference * difference
             error[lanes.points] = memory.column("largest_error")
-            missed = pending[~(error[pending] <= tolerances[pending])]
+            halved = pending[error[pending] < 0.5 * halved_error[pending]]
+            halved_error[halved], halved_level[halved] = error[halved], levels[halved]
+            is_round_off = (error < _LARGEST_ROUND_OFF) & (
+                levels >= _TELLING_REFINEMENT_FACTOR * halved_level
+            )
+            missed = pending[~(error[pending] <= tolerances[pending]) & ~is_round_off[pending]]
             finer = self._refined_resolutions(
                 error[missed], tolerances[missed], levels[missed], half
             )
@@ -348,7 +375,7 @@ class PeriodMap:
 
         def advance(chunk: list[_Segment]) -> None:
             for segment in chunk:
-                record = self._advance_segment(memory.slots[segment.groups], segment.level, course)
+                record = self._advance_segment(memory, segment, course)
                 if path is not None and record is not None:
                     begin, end = (
                         group * lanes.lane_count
@@ -361,19 +388,30 @@ class PeriodMap:
         results_of_all(advance, lanes.chunks(course.periods) if self._is_threaded else all_at_once)
 
     def _advance_segment(
-        self, lanes: FloatArray, level: int, course: _MapExtent
+        self, memory: LaneMemory, segment: _Segment, course: _MapExtent
     ) -> FloatArray | None:
         """Advance some groups in place; the states after each period where asked."""
+        lanes, level = memory.slots[segment.groups], segment.finest_level
+        slot_of_name = self.kernel.layout.slot_of_name
         fine, coarse = self._cycle_tables(self.kernel.method.nodes, level)
+        if segment.is_mixed:
+            levels, place = np.unique(segment.levels, return_inverse=True)
+            tables = [self._cycle_tables(self.kernel.method.nodes, int(n)) for n in levels]
+            fine, coarse = (np.concatenate(parts) for parts in zip(*tables, strict=True))
+            lanes[:, slot_of_name["first_row"]] = (np.cumsum(levels) - levels)[place]
         record = None
         if course.periods:
             if course.keeps_visited_states:
                 states = self.kernel.layout.state_count
                 record = np.empty((course.periods, lanes.shape[0], states, lanes.shape[2]))
             every = 2 * level if course.keeps_visited_states else 0
-            self.kernel(lanes, (fine, coarse), record, cycles=course.periods, every=every)
+            self.kernel(
+                lanes, (fine, coarse), record, cycles=course.periods, every=every,
+                double_steps=level,
+            )  # fmt: skip
         if course.adds_half_period:
-            self.kernel(lanes, (fine[:level], coarse[: level // 2]), None, cycles=1)
+            lanes[:, slot_of_name["double_steps"]] /= 2
+            self.kernel(lanes, (fine, coarse), None, cycles=1, double_steps=level // 2)
         return record
 
     def _initial_memory(
@@ -388,6 +426,7 @@ class PeriodMap:
         scalars: dict[str, FloatArray | float] = {
             "cycle_length": points.period_lengths,
             "fine_step_length": points.period_lengths / (2 * levels),
+            "double_steps": levels.astype(np.float64),
             # Later than the end of the run, so that no cycle is left out.
             "run_end": 2.0 * (course.periods + 1) * points.period_lengths,
             "tolerance": np.inf,

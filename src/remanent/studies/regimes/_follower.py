@@ -320,13 +320,18 @@ class EnsembleFollower:
     def _chunk_indices(self, chunk_size: int) -> list[IntArray]:
         """Indices of the valid trajectories, chunk by chunk.
 
-        Chunk k of n takes every n-th trajectory, starting at the k-th.  Neighbours on a grid
-        cost about the same, so all chunks cost about the same too.
+        Neighbours on a grid cost about the same.  Each stretch of them is dealt out to as many
+        chunks as there are threads, so that these cost about the same too; and what needs very
+        short steps is found in few stretches, where it fills its groups.
         """
         indices = np.flatnonzero(~self.ensemble.is_invalid)
         threads = available_processor_count()
-        count = -(-indices.size // (chunk_size * threads)) * threads
-        chunks = (indices[k::count] for k in range(count))
+        stretches = max(1, -(-indices.size // (chunk_size * threads)))
+        chunks = (
+            stretch[k::threads]
+            for stretch in np.array_split(indices, stretches)
+            for k in range(threads)
+        )
         return [chunk for chunk in chunks if chunk.size]
 
 

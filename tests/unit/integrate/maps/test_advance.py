@@ -130,6 +130,52 @@ def test_company_and_blocks_do_not_change_a_run() -> None:
     np.testing.assert_array_equal(whole.triangular_factors[9], alone.triangular_factors[0])
 
 
+@pytest.mark.parametrize("half", [False, True], ids=["whole", "half"])
+@pytest.mark.parametrize("error_control", ["all", "state", "none"])
+def test_steps_of_the_company_do_not_change_an_image(
+    half: bool, error_control: ErrorControl
+) -> None:
+    """Determinism: points whose steps differ two hundredfold share groups, and each is as alone."""
+    field = Oscillator(0.3 * COSINE - 0.15 * V + Q - Q**3, {}).field()
+    flow = PeriodMap(field, turning, directions=2, error_control=error_control)
+    rng = np.random.default_rng(3)
+    count = 37
+    start, length = rng.uniform(-1.0, 1.0, (count, 2)), rng.uniform(4.0, 8.0, count)
+    resolution = rng.choice([6, 8, 14, 24, 40, 112, 512, 1280], count)
+
+    def image(points: slice) -> PeriodMapImage:
+        states, lengths = start[points], length[points]
+        return flow(
+            states, np.zeros((len(states), 0)), lengths, tolerance=1e-5, cycles=3, half=half,
+            visited=True, resolution=resolution[points],
+        )  # fmt: skip
+
+    whole = image(slice(None))
+    for k in range(count):
+        alone = image(slice(k, k + 1))
+        for name, values in vars(alone).items():
+            np.testing.assert_array_equal(getattr(whole, name)[k], values[0], err_msg=name)
+
+
+def test_a_group_takes_the_steps_of_its_finest_point() -> None:
+    """x'' = -x: after a period of 2 pi every point is back, whatever steps its company takes."""
+    flow = PeriodMap(Oscillator(-Q, {}).field(), turning, error_control="none")
+    start = np.random.default_rng(4).uniform(-1.0, 1.0, (40, 2))
+    image = flow(
+        start, np.zeros((40, 0)), np.full(40, 2.0 * np.pi), tolerance=np.inf, cycles=2,
+        resolution=np.arange(16, 56),
+    )  # fmt: skip
+    np.testing.assert_allclose(image.state, start, atol=1e-9)
+
+
+def test_round_off_is_not_refined() -> None:
+    """Shorter steps do not lower an error that rounding makes, so none are tried."""
+    flow = PeriodMap(Oscillator(-Q, {}).field(), turning)
+    image = flow(np.array([[1.0, 0.0]]), np.zeros((1, 0)), np.full(1, 2.0 * np.pi), tolerance=1e-18)
+    assert 1e-18 < image.largest_period_error[0] < 1e-13
+    assert image.resolution[0] < 1024
+
+
 def test_errors_of_periods_meet_the_tolerance() -> None:
     """Each period against the same map at 1e-13."""
     par = np.array([[0.7, 0.0, 0.4], [1.3, 0.0, 0.3]])
