@@ -34,6 +34,16 @@ CALLS = {
     "branch": "rm.continue_orbit(damped, drive, 'omega', (0.8, 1.8))",
     "periodic_orbits": "rm.periodic_orbits(damped, drive)",
     "response_diagram": "rm.response_diagram(hot, drive, (1.1, 1.4))",
+    "bifurcation_diagram": "rm.bifurcation_diagram(rm.Actuator(), rm.SineSquared(0.4, 0.8), 'b', "
+    "np.linspace(0.1, 1.2, 40))",
+    "strong_chart": "rm.regime_chart(rm.Actuator(), drive, {'b': np.linspace(0.8, 2.5, 12), "
+    "'omega': np.linspace(0.5, 1.6, 12)}, periods=300)",
+    "long_response": "rm.frequency_response(rm.Actuator(), drive, np.linspace(0.5, 2.0, 256), "
+    "duration=2000.0, tolerance=1e-6)",
+    "strong_response": "rm.frequency_response(hot, rm.SineSquared(1.2, 1.0), "
+    "np.linspace(0.5, 2.0, 301))",
+    "biaxial_orbits": "rm.periodic_orbits(rm.Actuator(prestress=(0.3, -0.2), "
+    "dissipation=rm.Zener(0.5, 0.7)), drive)",
     "simulate": "rm.simulate(hot, drive, duration=100.0, over={'b': np.linspace(0.1, 0.9, 100)})",
     "resonances": "rm.resonances(damped, drive, (0.5, 2.0))",
     "backbone": "rm.backbone(rm.Actuator(), np.linspace(1.05, 1.5, 50))",

@@ -222,6 +222,9 @@ class GroupKernel:
             )
             with w.loop(self.argument_values.double_step_count) as (double_step, _):
                 self._write_double_step(cycle, double_step, near_an_end)
+            if self.own_steps is not None:
+                count = self._fine_steps_before(w.builder.add(number, w.integer_constant(1)))
+                self.recorder.record_if_due(count, self.lockstep.fine_state())
         if self.extreme_tracker:
             self.extreme_tracker.resolve_kept_step()
 
@@ -247,10 +250,12 @@ class GroupKernel:
             self.error_monitor.compare_states(
                 left, right, states.coarse_right, cycle.step_time(first)
             )
-        count = b.mul(
-            cycle.cycles_before_in_call,
-            b.mul(self.argument_values.double_step_count, w.integer_constant(2)),
-        )
-        count = b.add(count, first)
-        self.recorder.record_if_due(b.add(count, w.integer_constant(1)), middle)
-        self.recorder.record_if_due(b.add(count, w.integer_constant(2)), right)
+        if self.own_steps is None:
+            count = b.add(self._fine_steps_before(cycle.cycles_before_in_call), first)
+            self.recorder.record_if_due(b.add(count, w.integer_constant(1)), middle)
+            self.recorder.record_if_due(b.add(count, w.integer_constant(2)), right)
+
+    def _fine_steps_before(self, cycles: ir.Value) -> ir.Value:
+        """Fine steps of so many cycles of the call."""
+        b, w = self.writer.builder, self.writer
+        return b.mul(cycles, b.mul(self.argument_values.double_step_count, w.integer_constant(2)))

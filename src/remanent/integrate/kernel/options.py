@@ -39,8 +39,8 @@ class KernelOptions:
         `estimates_error_per_cycle`.
     lanes_have_own_steps : bool
         Trajectories of one group may differ in how many double steps they take in a cycle; those
-        that need fewer wait for the others at its end.  Only for methods that need no past, and
-        not with `follows_extremes`.
+        that need fewer wait for the others at its end, where alone states are recorded.  Only
+        for methods that need no past, and not with `follows_extremes`.
     """
 
     follows_extremes: bool = False

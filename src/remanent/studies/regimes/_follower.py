@@ -322,14 +322,15 @@ class EnsembleFollower:
 
         Neighbours on a grid cost about the same.  Each stretch of them is dealt out to as many
         chunks as there are threads, so that these cost about the same too; and what needs very
-        short steps is found in few stretches, where it fills its groups.
+        short steps is found in few stretches, where it fills its groups.  The last stretches are
+        begun first: larger loads take longer, and what takes long should not come last.
         """
         indices = np.flatnonzero(~self.ensemble.is_invalid)
         threads = available_processor_count()
         stretches = max(1, -(-indices.size // (chunk_size * threads)))
         chunks = (
             stretch[k::threads]
-            for stretch in np.array_split(indices, stretches)
+            for stretch in reversed(np.array_split(indices, stretches))
             for k in range(threads)
         )
         return [chunk for chunk in chunks if chunk.size]
