@@ -24,6 +24,7 @@ from benchmarks.rows import (
     lyapunov,
     precision,
     start,
+    steps,
     studies,
     work,
 )
@@ -36,6 +37,7 @@ ROWS: dict[str, Callable[[Plan], dict[str, Any]]] = {
     "response": lambda plan: work.measure(plan, "response"),
     "film": lambda plan: work.measure(plan, "film"),
     "kernel": kernel.measure,
+    "steps": steps.measure,
     "branch": branch.measure,
     "lyapunov": lyapunov.measure,
     "chart": chart.measure,
@@ -53,6 +55,7 @@ _TABLES: dict[str, Callable[[Any], tables.Table]] = {
     "kernel": tables.kernel,
     "start": tables.start,
     "explorer": tables.explorer,
+    "steps": tables.steps,
     "branch": tables.branch,
     "lyapunov": tables.lyapunov,
     "chart": tables.chart,

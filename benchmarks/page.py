@@ -58,6 +58,14 @@ units in what a loop of nothing but independent multiply–adds issues in the sa
 core; the share of operations counts a multiply–add as two. Divisions, comparisons
 and moves take time and are not counted.
 """
+_STEPS = """\
+Steps taken over those of an oracle, which knows of every motion the least resolution with which
+its true error meets the tolerance. *Resolution*: how much finer the steps of the last run were;
+*runs*: time of all runs over that of those that were kept, pilots and attempts that missed the
+tolerance included; *lanes*: steps of whole groups over those of their motions; *companion*: the
+second solution, with steps twice as long, that tells the error. The last column is the median of
+the stated bound over the true error. On one core; extremes but where states are named.
+"""
 _BRANCH = """\
 The branch of the smallest orbit of the undamped actuator, 500 points down from $\\omega = 1.6$ to
 1.15, with multipliers, and the same for 64 actuators (temperatures from 250 to 400 K, prestress
@@ -212,6 +220,7 @@ _SECTIONS: tuple[tuple[str, str, str, Any], ...] = (
     ("film", "Frequency response of a film", _FILM, tables.work),
     ("precision", "Work and precision", _PRECISION, None),
     ("kernel", "Arithmetic", _KERNEL, tables.kernel),
+    ("steps", "Where the work goes", _STEPS, tables.steps),
     ("branch", "Branches of periodic orbits", _BRANCH, tables.branch),
     ("lyapunov", "Lyapunov exponents", _LYAPUNOV, tables.lyapunov),
     ("chart", "A chart of regimes", _CHART, tables.chart),

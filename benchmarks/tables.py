@@ -74,6 +74,21 @@ def work(data: Any) -> Table:
     return Table(heading, rows)
 
 
+def steps(data: Any) -> Table:
+    """Steps over those of an oracle, and the factors of this."""
+    heading = ("work", "trajectories", "tolerance", "resolution", "runs", "lanes", "companion",
+               "together", "bound over error")  # fmt: skip
+    rows = [
+        (
+            one["name"], str(one["trajectories"]), f"{one['tolerance']:.0e}",
+            number(one["resolution"]), number(one["runs"]), number(one["lanes"]),
+            number(data["companion"]), number(one["all"]), number(one["bound_over_error"]),
+        )
+        for one in data["rows"]
+    ]  # fmt: skip
+    return Table(heading, rows)
+
+
 def _remark(one: Any) -> str:
     if one["missing"]:
         return f", {one['missing']} without a value"
