@@ -27,6 +27,8 @@ PRECISION = 1e-19
 MAX_NEWTON_STEPS = 30
 #: Size of a Newton step at which it has converged.
 CONVERGED = 1e-15
+#: Rounding of an image.
+IMAGE_ROUNDING = 1e-17
 #: Largest Newton step, as a share of the distance of the stretch from zero.
 LARGEST_STEP = 0.3
 
@@ -113,12 +115,15 @@ class PeriodMap:
             image, jacobian = self.image(state, periods)
             if not np.isfinite(image.astype(float)).all():
                 return None
-            step = _solve(np.eye(2, dtype=LONG) - jacobian, image - state)
+            matrix = np.eye(2, dtype=LONG) - jacobian
+            step = _solve(matrix, image - state)
             size = float(np.abs(step).max())
             state = state + step * min(1.0, LARGEST_STEP * abs(float(state[0])) / max(size, 1e-300))
             if not state[0] > 0:
                 return None
-            if size < CONVERGED:
+            # Near a bifurcation the rounding of the image moves the point by more.
+            columns = [_solve(matrix, unit) for unit in np.eye(2, dtype=LONG)]
+            if size < max(CONVERGED, IMAGE_ROUNDING * float(np.abs(columns).max())):
                 return Orbit(state, self.image(state, periods)[1])
         return None
 

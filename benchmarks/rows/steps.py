@@ -26,7 +26,7 @@ from remanent._status import Status
 from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.integrate.ensemble import pool
 from remanent.integrate.ensemble.attempt import attempt_chunk
-from remanent.integrate.ensemble.counts import fine_step_counts
+from remanent.integrate.ensemble.counts import cycle_counts, fine_step_counts
 from remanent.integrate.ensemble.ensemble import integrate, integrate_without_error_bound
 from remanent.integrate.ensemble.problem import Outcome, Problem, Request
 from remanent.integrate.ensemble.resolution import FINE_RESOLUTION_LADDER
@@ -84,8 +84,8 @@ class _Log:
         """Take in a chunk; `kept` says which of its runs are."""
         self.seconds += seconds
         self.kept_seconds += seconds * float(kept.mean())
-        steps = np.sort(fine_step_counts(run.problem, chunk.resolution, chunk.indices))[::-1]
-        lanes = run.kernel_pair.lane_count
+        cycles, lanes = cycle_counts(run.problem, chunk.indices), run.kernel_pair.lane_count
+        steps = np.sort(2.0 * chunk.resolution * cycles)[::-1]
         self.group_steps += lanes * float(steps[::lanes].sum())
         self.steps += float(steps.sum())
 

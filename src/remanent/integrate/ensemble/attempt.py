@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 
 from remanent._typing import FloatArray, IntArray
@@ -9,7 +12,7 @@ from remanent.integrate.ensemble.counts import counts_of_double_steps, cycle_cou
 from remanent.integrate.ensemble.problem import EXTREME_NAMES
 from remanent.integrate.ensemble.run import Attempt, Chunk, Run
 from remanent.integrate.ensemble.sampler import Sampler
-from remanent.integrate.ensemble.segments import Segment, cut_into_segments
+from remanent.integrate.ensemble.segments import START_DOUBLE_STEPS, Segment, cut_into_segments
 from remanent.integrate.kernel.memory import LaneMemory
 
 #: The end is moved by this factor so that rounding cannot put it past the last step.
@@ -18,6 +21,8 @@ _END_ROUNDING_FACTOR = 1.0 - 2.0**-50
 
 def attempt_chunk(run: Run, chunk: Chunk) -> Attempt:
     """Integrate the trajectories of a chunk once, whatever their errors are."""
+    if isinstance(chunk.resolution, np.ndarray):
+        return _attempt_with_own_steps(run, chunk.indices, chunk.resolution)
     problem, kernels, indices = run.problem, run.kernel_pair, chunk.indices
     steps = counts_of_double_steps(problem.load_schedule, chunk.resolution, indices[:1])[:, 0]
     cycles = int(cycle_counts(problem, indices).max())
@@ -38,7 +43,37 @@ def attempt_chunk(run: Run, chunk: Chunk) -> Attempt:
         # Where no trajectory is below the ceiling, the rest of the run tells nothing more.
         if not (memory.column("largest_error") <= run.error_ceiling).any():
             break
-    return _collect_attempt(memory, sampler)
+    return _collect_attempt(memory, sampler.states, sampler.inspection_results)
+
+
+def _attempt_with_own_steps(run: Run, indices: IntArray, resolution: IntArray) -> Attempt:
+    """Integrate trajectories of a periodic load that differ in resolution, for their extremes.
+
+    Each does what it would do in a chunk of one resolution, in the same order.
+    """
+    kernels, load_schedule = run.kernel_pair, run.problem.load_schedule
+    memory = _initial_memory(run, indices)
+    lengths = load_schedule.piece_lengths[0, indices]
+    _write_piece_to_memory(
+        memory, run, lengths, lengths / (2 * resolution), np.zeros(indices.size),
+        {name: values[0, indices] for name, values in load_schedule.piece_parameters.items()},
+        begins_piece=True,
+    )  # fmt: skip
+    levels, place = np.unique(resolution, return_inverse=True)
+    memory.set_column("own_double_steps", resolution.astype(np.float64))
+    memory.set_column("first_row", (np.cumsum(levels) - levels)[place].astype(np.float64))
+    longest = int((resolution * cycle_counts(run.problem, indices)).max())
+    together = int(levels[0])  # so that no lane passes the end of its cycle twice in a round
+    for kernel, first, double_steps, rounds in (
+        (kernels.start_kernel, 0, START_DOUBLE_STEPS, 1),
+        (
+            kernels.run_kernel, START_DOUBLE_STEPS, together,
+            max(0, -(-(longest - START_DOUBLE_STEPS) // together)),
+        ),
+    ):  # fmt: skip
+        tables = run.cycle_tables.of_several(kernel.method.nodes, levels)
+        kernel(memory.slots, tables, cycles=rounds, double_steps=double_steps, first_step=2 * first)
+    return _collect_attempt(memory, None, [])
 
 
 def _initial_memory(run: Run, indices: IntArray) -> LaneMemory:
@@ -70,18 +105,37 @@ def _initial_memory(run: Run, indices: IntArray) -> LaneMemory:
 
 def _write_segment_to_memory(memory: LaneMemory, run: Run, segment: Segment) -> None:
     """Write down when a segment begins, its steps, and the parameters that hold in it."""
-    memory.set_column("cycle_length", segment.cycle_length)
-    memory.set_column("fine_step_length", segment.fine_step_length)
-    memory.set_column("piece_start", segment.piece_start)
-    if run.request.wants_extremes and segment.begins_piece:
+    _write_piece_to_memory(
+        memory, run, segment.cycle_length, segment.fine_step_length, segment.piece_start,
+        segment.parameters, begins_piece=segment.begins_piece,
+    )  # fmt: skip
+
+
+def _write_piece_to_memory(
+    memory: LaneMemory,
+    run: Run,
+    cycle_length: FloatArray,
+    fine_step_length: FloatArray,
+    piece_start: FloatArray,
+    parameters: Mapping[str, FloatArray],
+    *,
+    begins_piece: bool,
+) -> None:
+    """Write down when a piece begins, its steps, and the parameters that hold in it."""
+    memory.set_column("cycle_length", cycle_length)
+    memory.set_column("fine_step_length", fine_step_length)
+    memory.set_column("piece_start", piece_start)
+    if run.request.wants_extremes and begins_piece:
         # Rates may have jumped since the end of the piece before.
-        memory.set_column("watched_rate_sign", np.full(segment.cycle_length.size, np.nan))
-    for name, values in segment.parameters.items():
+        memory.set_column("watched_rate_sign", np.full(cycle_length.size, np.nan))
+    for name, values in parameters.items():
         index = run.problem.field.parameter_names.index(name)
         memory.set_column(f"parameter.{index}", values)
 
 
-def _collect_attempt(memory: LaneMemory, sampler: Sampler) -> Attempt:
+def _collect_attempt(
+    memory: LaneMemory, states: FloatArray | None, inspection_results: list[Any]
+) -> Attempt:
     """What a chunk has come to."""
     within = memory.column("within_tolerance") > 0.5
     last = np.where(
@@ -92,6 +146,6 @@ def _collect_attempt(memory: LaneMemory, sampler: Sampler) -> Attempt:
         np.asarray(within),
         **{name: memory.column(name).copy() for name in names},
         last_state=last,
-        states=sampler.states,
-        inspection_results=sampler.inspection_results,
+        states=states,
+        inspection_results=inspection_results,
     )

@@ -115,7 +115,8 @@ class BestAttempts:
         source = np.flatnonzero(decision.is_improvement)
         target = chunk.indices[source]
         outcome.horizon[target] = decision.horizon[source]
-        outcome.resolution[target] = chunk.resolution
+        resolution = np.broadcast_to(chunk.resolution, chunk.indices.shape)
+        outcome.resolution[target] = resolution[source]
         floor = self._round_off_error(chunk, decision.horizon)
         error = np.where(met, attempt.largest_error, attempt.error_to_horizon)
         outcome.error[target] = np.maximum(error, floor)[source]

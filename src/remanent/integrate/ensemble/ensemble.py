@@ -35,7 +35,7 @@ from remanent.integrate.ensemble.resolution import (
 )
 from remanent.integrate.ensemble.run import Attempt, Chunk
 from remanent.integrate.ensemble.work_sizes import DEFAULT_WORK_SIZES, WorkSizes
-from remanent.integrate.kernel.options import KernelOptions, Method
+from remanent.integrate.kernel.options import KernelOptions, Method, OwnStepsKind
 
 #: Looser tolerances are met with this one: with larger errors the difference of two
 #: solutions is no measure of either (2 in 100 bounds at 1e-3 were too small).
@@ -110,7 +110,7 @@ def integrate(
     # States at given times cost more than the steps: they are taken in one more attempt, when
     # the resolution is known.  Strobed states cost nothing and are taken on the way.
     search = replace(request, times=None, inspect_window=None)
-    options = KernelOptions(request.wants_extremes)
+    options = _kernel_options(request)
     with KernelPool(problem, method, options, tolerance, workers=workers, sizes=sizes) as pool:
         pending = best.without_unaffordable(_every_valid_trajectory_pending_at(problem, first))
         pending = estimate_resolutions_from_beginnings(
@@ -199,7 +199,7 @@ def integrate_without_error_bound(
     """
     method = choose_method(request, LOOSEST_TOLERANCE_USED)
     outcome = BestAttempts.before_first_attempt(problem, request).outcome
-    options = KernelOptions(request.wants_extremes, has_coarse_solution=False)
+    options = replace(_kernel_options(request), has_coarse_solution=False)
     with KernelPool(problem, method, options, np.inf, workers=workers) as pool:
         for chunk, attempt in pool.run_attempts(
             problem, request, _every_valid_trajectory_pending_at(problem, resolution)
@@ -214,6 +214,12 @@ def integrate_without_error_bound(
             if outcome.states is not None and attempt.states is not None:
                 outcome.states[indices, : attempt.states.shape[1]] = attempt.states
     return outcome
+
+
+def _kernel_options(request: Request) -> KernelOptions:
+    """What kernels follow; groups whose trajectories differ in their steps record no states."""
+    own_steps: OwnStepsKind = "going on" if request.wants_extremes else "none"
+    return KernelOptions(request.wants_extremes, own_steps=own_steps)
 
 
 def _every_valid_trajectory_pending_at(problem: Problem, resolution: int) -> PendingTrajectories:

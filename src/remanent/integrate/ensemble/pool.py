@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass
 from types import TracebackType
@@ -12,7 +12,7 @@ from typing import Self
 import numpy as np
 
 from remanent._threads import StoppableThreads, as_finished, first_finished
-from remanent._typing import BoolArray, IntArray
+from remanent._typing import IntArray
 from remanent.integrate.ensemble.attempt import attempt_chunk
 from remanent.integrate.ensemble.counts import (
     counts_of_double_steps,
@@ -26,6 +26,12 @@ from remanent.integrate.kernel.compile import KernelPair, compiled_kernel
 from remanent.integrate.kernel.options import KernelOptions, Method
 from remanent.integrate.kernel.tables import CycleTables
 from remanent.integrate.methods.runge_kutta import default_method
+
+#: Least and largest double steps per cycle of trajectories that share groups with others: more
+#: than those of a start, and with tables of the load that are short.
+_LEAST_MIXED_RESOLUTION, _LARGEST_MIXED_RESOLUTION = 8, 4096
+#: So many resolutions make a mixture.
+_FEWEST_MIXED_RESOLUTIONS = 2
 
 
 @dataclass(frozen=True)
@@ -49,10 +55,6 @@ class PendingTrajectories:
             np.concatenate([nothing, *(pending.indices for pending in lists)]),
             np.concatenate([nothing, *(pending.resolution for pending in lists)]),
         )
-
-    def subset(self, where: BoolArray) -> PendingTrajectories:
-        """Some of them."""
-        return PendingTrajectories(self.indices[where], self.resolution[where])
 
 
 #: ``record(chunk, attempt)``: takes in an attempt, and tells what to try again, and how finely.
@@ -116,7 +118,7 @@ class KernelPool:
         run = self._run(problem, request)
         futures = {
             self._executor.submit(attempt_chunk, run, chunk): chunk
-            for chunk in self._chunks(problem, pending)
+            for chunk in self._chunks(problem, request, pending)
         }
         for future in as_finished(futures):
             yield futures[future], future.result()
@@ -130,9 +132,6 @@ class KernelPool:
     ) -> None:
         """Integrate trajectories again and again, until there is none to be tried again.
 
-        The coarsest are first: what must be refined meets what was waiting for that resolution,
-        and groups are fuller.
-
         Parameters
         ----------
         problem : Problem
@@ -143,18 +142,16 @@ class KernelPool:
             finer resolutions.
         """
         run = self._run(problem, request)
-        coarsest: deque[Chunk] = deque()
+        chunks: deque[Chunk] = deque()
         running: dict[Future[Attempt], Chunk] = {}
-        while running or coarsest or pending.indices.size:
-            if not coarsest and pending.indices.size:
-                is_coarsest = pending.resolution == pending.resolution.min()
-                coarsest.extend(self._chunks(problem, pending.subset(is_coarsest)))
-                pending = pending.subset(~is_coarsest)
-            while coarsest and len(running) < self.thread_count:
-                chunk = coarsest.popleft()
+        while running or chunks or pending.indices.size:
+            if not chunks:
+                chunks.extend(self._chunks(problem, request, pending))
+                pending = PendingTrajectories.concatenated([])
+            # One waits, so that no thread does.
+            while chunks and len(running) <= self.thread_count:
+                chunk = chunks.popleft()
                 running[self._executor.submit(attempt_chunk, run, chunk)] = chunk
-            if len(running) < self.thread_count and pending.indices.size:
-                continue
             for future in first_finished(running):
                 again = record(running.pop(future), future.result())
                 pending = PendingTrajectories.concatenated([pending, again])
@@ -170,32 +167,83 @@ class KernelPool:
             self.work_sizes,
         )
 
-    def _chunks(self, problem: Problem, pending: PendingTrajectories) -> Iterator[Chunk]:
+    def _chunks(
+        self, problem: Problem, request: Request, pending: PendingTrajectories
+    ) -> Iterator[Chunk]:
         """Trajectories as tasks of threads."""
         return divide_into_chunks(
-            problem, pending, self.kernel_pair.lane_count, self.thread_count, self.work_sizes
-        )
+            problem, pending, self.kernel_pair.lane_count, self.thread_count, self.work_sizes,
+            mixes=request.is_of_extremes_alone and problem.load_schedule.periodic,
+        )  # fmt: skip
 
 
 def divide_into_chunks(
-    problem: Problem, pending: PendingTrajectories, lane_count: int, threads: int, sizes: WorkSizes
+    problem: Problem,
+    pending: PendingTrajectories,
+    lane_count: int,
+    threads: int,
+    sizes: WorkSizes,
+    *,
+    mixes: bool = False,
 ) -> Iterator[Chunk]:
     """Group trajectories that share a resolution, step counts, and about a length.
 
     All lanes of a group take as many steps as the longest of them, so that trajectories are
     sorted by their length.
+
+    Parameters
+    ----------
+    problem : Problem
+    pending : PendingTrajectories
+    lane_count : int
+        Trajectories of a group.
+    threads : int
+    sizes : WorkSizes
+    mixes : bool
+        Groups are filled with trajectories of several resolutions where those of one do not
+        fill them.
     """
     cycles = cycle_counts(problem, pending.indices)
-    for level in np.unique(pending.resolution):
-        resolution = int(level)
+    rest: dict[int, IntArray] = {}
+    for level in np.unique(pending.resolution).tolist():
         members = pending.indices[pending.resolution == level]
-        steps = counts_of_double_steps(problem.load_schedule, resolution, members)
+        steps = counts_of_double_steps(problem.load_schedule, level, members)
         order = np.lexsort((members, cycles[pending.resolution == level], *steps[::-1]))
         members, steps = members[order], steps[:, order]
+        if mixes and _LEAST_MIXED_RESOLUTION <= level <= _LARGEST_MIXED_RESOLUTION:
+            whole = members.size - members.size % lane_count
+            rest[level] = members[whole:]
+            members, steps = members[:whole], steps[:, :whole]
         cuts = np.flatnonzero((steps[:, 1:] != steps[:, :-1]).any(axis=0)) + 1
         for alike in np.split(members, cuts):
-            steps_each = float(fine_step_counts(problem, resolution, alike[:1])[0])
-            share = -(-alike.size // (threads * lane_count)) * lane_count
-            size = min(share, sizes.trajectories_per_chunk(steps_each, lane_count))
-            for first in range(0, alike.size, size):
-                yield Chunk(resolution, alike[first : first + size])
+            if alike.size:
+                yield from _chunks_of_one_resolution(
+                    problem, alike, level, lane_count, threads, sizes
+                )
+    yield from _mixed_chunks(problem, rest, lane_count)
+
+
+def _chunks_of_one_resolution(
+    problem: Problem, alike: IntArray, level: int, lane_count: int, threads: int, sizes: WorkSizes
+) -> Iterator[Chunk]:
+    """Chunks of trajectories that take the same steps."""
+    steps_each = float(fine_step_counts(problem, level, alike[:1])[0])
+    share = -(-alike.size // (threads * lane_count)) * lane_count
+    size = min(share, sizes.trajectories_per_chunk(steps_each, lane_count))
+    for first in range(0, alike.size, size):
+        yield Chunk(level, alike[first : first + size])
+
+
+def _mixed_chunks(
+    problem: Problem, members_of_level: Mapping[int, IntArray], lane_count: int
+) -> Iterator[Chunk]:
+    """Groups of trajectories of several resolutions that take about as many steps in all."""
+    present = {level: members for level, members in members_of_level.items() if members.size}
+    if len(present) < _FEWEST_MIXED_RESOLUTIONS:
+        yield from (Chunk(level, members) for level, members in present.items())
+        return
+    indices = np.concatenate([*present.values()])
+    resolution = np.repeat([*present], [members.size for members in present.values()])
+    order = np.argsort(-resolution * cycle_counts(problem, indices), kind="stable")
+    for part in np.split(order, range(lane_count, order.size, lane_count)):
+        yield Chunk(resolution[part], indices[part])

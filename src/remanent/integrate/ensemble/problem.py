@@ -106,6 +106,12 @@ class Request:
     extremes_begin: FloatArray | None = None
     inspect_window: Callable[[StepWindow], Any] | None = None
 
+    @property
+    def is_of_extremes_alone(self) -> bool:
+        """Whether no states are wanted, nor steps looked at."""
+        others = self.times is not None or self.strobe_cycles or self.inspect_window is not None
+        return self.wants_extremes and not others
+
 
 @dataclass(frozen=True)
 class Outcome:

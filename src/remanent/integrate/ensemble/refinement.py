@@ -72,7 +72,7 @@ class AttemptSummary:
 
     Attributes
     ----------
-    resolution : int
+    resolution : int or array (trajectory,)
         Double steps per cycle, or per nominal time.
     within_tolerance : array (trajectory,) of bool
         Whether the tolerance was met up to the end.
@@ -86,7 +86,7 @@ class AttemptSummary:
         Largest component of the state at the end, or at the horizon.
     """
 
-    resolution: int
+    resolution: int | IntArray
     within_tolerance: BoolArray
     horizon: FloatArray
     error_to_horizon: FloatArray

@@ -60,13 +60,15 @@ class Chunk:
 
     Attributes
     ----------
-    resolution : int
-        Double steps per cycle, or per nominal time where the load has no period.
+    resolution : int or array (trajectory,)
+        Double steps per cycle, or per nominal time where the load has no period.  Of an array
+        they may differ.
     indices : array (trajectory,)
-        Numbers of the trajectories; all have equally many double steps in every piece.
+        Numbers of the trajectories; those of one resolution have equally many double steps in
+        every piece.
     """
 
-    resolution: int
+    resolution: int | IntArray
     indices: IntArray
 
 

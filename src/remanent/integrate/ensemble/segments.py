@@ -12,7 +12,7 @@ from remanent._typing import FloatArray, IntArray
 from remanent.integrate.kernel.layout import PAST_RATE_COUNT
 
 #: Double steps that start a piece: after them all past rates are known.
-_START_DOUBLE_STEPS = PAST_RATE_COUNT - 1
+START_DOUBLE_STEPS = PAST_RATE_COUNT - 1
 
 
 @dataclass(frozen=True)
@@ -184,17 +184,17 @@ def _cut_piece(
     trajectories decide; a `single` piece is the same for all.
     """
     full_cycle = slice(0, resolution)
-    started = -(-_START_DOUBLE_STEPS // resolution)  # cycles that the start takes part in
-    if single and resolution < 3 * _START_DOUBLE_STEPS:
+    started = -(-START_DOUBLE_STEPS // resolution)  # cycles that the start takes part in
+    if single and resolution < 3 * START_DOUBLE_STEPS:
         # So few steps that those of the start are most of them: none is worth another method.
         yield 0, 1, full_cycle, False
         return
     if started > 1:
         yield 0, min(started, cycles), full_cycle, False
     else:
-        yield 0, 1, slice(0, _START_DOUBLE_STEPS), False
+        yield 0, 1, slice(0, START_DOUBLE_STEPS), False
         yield from (
-            (0, 1, part, True) for part in _cut_cycle(_START_DOUBLE_STEPS, resolution, most_steps)
+            (0, 1, part, True) for part in _cut_cycle(START_DOUBLE_STEPS, resolution, most_steps)
         )
     per_segment = max(1, most_steps // (2 * resolution))
     if strobe and started % strobe and started < cycles:

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import reduce
 
-from remanent.integrate.kernel.group import Cycle, RunConstants, TrajectoryCells
+from remanent.integrate.kernel.group import RunConstants, TrajectoryCells
 from remanent.integrate.kernel.lanes import Lanes, Mask, Writer, larger, larger_or_nan
 from remanent.integrate.kernel.options import KernelOptions, Method
 
@@ -66,11 +66,9 @@ class ErrorMonitor:
         """Where following a trajectory further still tells something about its error."""
         return self.trajectory_cells.largest_error.get() <= self.run_constants.error_ceiling
 
-    def is_followed_in_cycle(self, cycle: Cycle) -> Mask:
-        """Which trajectories take part in a cycle."""
-        return self.is_below_ceiling() & (
-            cycle.step_time(self.writer.integer_constant(0)) < self.run_constants.run_end
-        )
+    def is_followed_from(self, time: Lanes) -> Mask:
+        """Which trajectories take part in what begins at a time."""
+        return self.is_below_ceiling() & (time < self.run_constants.run_end)
 
     def compare_states(
         self, left: Sequence[Lanes], fine: Sequence[Lanes], coarse: Sequence[Lanes], t0: Lanes

@@ -11,7 +11,7 @@ they wait until one of the trajectories turns again, and are worked out together
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -25,7 +25,7 @@ from remanent.integrate.kernel.extrema import (
     three_node_hermite_coefficients,
 )
 from remanent.integrate.kernel.field_code import FieldCode, LoadTable, PhaseAndWaveforms
-from remanent.integrate.kernel.group import Cycle, RunConstants, TrajectoryCells, VectorCells
+from remanent.integrate.kernel.group import RunConstants, TrajectoryCells, VectorCells
 from remanent.integrate.kernel.lanes import (
     Cell,
     Lanes,
@@ -36,6 +36,7 @@ from remanent.integrate.kernel.lanes import (
     reciprocal_quotient,
     smaller,
 )
+from remanent.integrate.kernel.lockstep import DoubleStepLoads
 
 #: Newton steps from a secant start, before one more with the same curvature; an extremum
 #: then moves by less than round-off.
@@ -192,7 +193,7 @@ class ExtremeTracker:
         w = code.writer
         states = len(code.field.state_names)
         kept = KeptStep.empty(w, states, loads.column_count, coarse=coarse_solution)
-        state, load = cells.fine.get(), loads.load_at_nodes_of_step(w.integer_constant(0))(0)
+        state, load = cells.fine.get(), loads.load_at(w.integer_constant(0), 0, 0)
         # The end of the call before is the same instant, but the phase there may be 1 instead
         # of 0, with other last digits: what was seen there is taken up.
         saved = cells.watched_rate_sign.get()
@@ -201,22 +202,22 @@ class ExtremeTracker:
         )
         return cls(w, code, run, cells, loads, monitor, kept, coarse_solution)
 
-    def any_lane_near_tracking_limit(self, cycle: Cycle) -> ir.Value:
-        """Whether one of the group begins or ends to be followed in this cycle or next to it.
+    def any_lane_near_tracking_limit(self, time: Lanes) -> ir.Value:
+        """Whether one of the group begins or ends to be followed within two cycles of a time.
 
         Only then must the ends be looked for in every step.
         """
-        before = cycle.start_time - self.run_constants.cycle_length
-        after = cycle.start_time + self.run_constants.cycle_length * 2.0
+        before = time - self.run_constants.cycle_length * 2.0
+        after = time + self.run_constants.cycle_length * 2.0
         well = (self.run_constants.extremes_begin < before) & (after < self.run_constants.run_end)
         return (self.writer.constant(0.0) <= 0.0).without(well).any_lane()
 
     def keep_eventful_step(
         self,
         states: StepStates,
-        cycle: Cycle,
-        first: ir.Value,
-        second: ir.Value,
+        double_step: ir.Value,
+        loads: DoubleStepLoads,
+        start_time: Callable[[], Lanes],
         near_an_end: ir.Value,
     ) -> None:
         """Keep a double step of every trajectory that turns, begins, ends or diverges in it.
@@ -225,19 +226,17 @@ class ExtremeTracker:
         ----------
         states : StepStates
             Both solutions.
-        cycle : Cycle
-        first, second : ir.Value
-            Numbers of the two fine steps in the cycle.
+        double_step : ir.Value
+            Its number in the cycle.
+        loads : DoubleStepLoads
+            The load in it.
+        start_time : callable
+            Gives the time of its beginning, tau.
         near_an_end : ir.Value
             See :meth:`any_lane_near_tracking_limit`.
         """
         last_node = self.fine_loads.node_count - 1
-        row, end_row = (
-            self.fine_loads.load_at_nodes_of_step(first),
-            self.fine_loads.load_at_nodes_of_step(second),
-        )
-        right_load = end_row(last_node)
-        left_load, middle_load = row(0), row(last_node)
+        middle_load, right_load = loads.first(last_node), loads.second(last_node)
         before = self.trajectory_cells.watched_rate_sign.get()
         between = self.field_code.watched_rate_sign(states.middle, middle_load)
         after = self.field_code.watched_rate_sign(states.right, right_load)
@@ -250,14 +249,15 @@ class ExtremeTracker:
             diverged = diverged & self.error_monitor.is_below_ceiling()
         b, run = self.writer.builder, self.run_constants
         with b.if_then(b.or_((turned | diverged).any_lane(), near_an_end), likely=False):
-            t0 = cycle.step_time(first)
-            t2 = t0 + cycle.fine_step_length + cycle.fine_step_length
+            t0 = start_time()
+            t2 = t0 + run.fine_step_length + run.fine_step_length
             inside = (run.extremes_begin < t2) & (
                 turned | (t0 <= run.extremes_begin) | (run.run_end <= t2)
             )
             event = (t0 < run.run_end) & (inside | diverged)
             zero, one = self.writer.constant(0.0), self.writer.constant(1.0)
             flag = diverged.select(one, zero)
+            left_load = self.fine_loads.load_at(double_step, 0, 0)
             step = DoubleStep(states, left_load, middle_load, right_load, t0, flag)
             # The place for it may hold an earlier double step of the same trajectory.
             with b.if_then((event & self.kept_step.is_waiting()).any_lane(), likely=False):

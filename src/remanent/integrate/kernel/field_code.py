@@ -10,53 +10,17 @@ from llvmlite import ir
 
 from remanent._field import Field, Program
 from remanent.integrate.kernel.extrema import TimeDerivatives
-from remanent.integrate.kernel.group import GroupSlots, RunConstants
-from remanent.integrate.kernel.lanes import (
-    LaneFunctions,
-    Lanes,
-    Mask,
-    Writer,
-    reciprocal_quotient,
-    smaller,
-)
+from remanent.integrate.kernel.group import GroupSlots
+from remanent.integrate.kernel.lanes import LaneFunctions, Lanes, Writer, reciprocal_quotient
 from remanent.integrate.kernel.options import KernelOptions, Method
 from remanent.integrate.kernel.outline import MAX_INLINED_INSTRUCTIONS, OutlinedRates
+from remanent.integrate.kernel.own_steps import OwnSteps
 from remanent.integrate.methods.runge_kutta import RungeKuttaMethod
 
 #: Phase and waveforms at an instant.
 PhaseAndWaveforms = list[Lanes]
 #: How a program divides: by a division, or by reciprocals that are known already.
 DivideFunction = Callable[[Any, Any], Any]
-
-
-@dataclass(frozen=True)
-class OwnSteps:
-    """The steps of a group whose lanes may differ in how many they take in a cycle.
-
-    Attributes
-    ----------
-    differ : ir.Value
-        Whether those of this group do.
-    double_steps : Lanes
-        In a cycle.
-    first_row : Lanes
-        Of the table of the coarse steps where those of the lane begin.
-    """
-
-    differ: ir.Value
-    double_steps: Lanes
-    first_row: Lanes
-
-    @classmethod
-    def of_group(cls, run: RunConstants, double_step_count: ir.Value) -> Self:
-        """Those that the slots of a group tell of."""
-        w = run.double_steps.writer
-        most = w.broadcast_integer(double_step_count)
-        return cls((run.double_steps < most).any_lane(), run.double_steps, run.first_row)
-
-    def last_until(self, number: ir.Value) -> Mask:
-        """Lanes whose cycle has a double step with this number."""
-        return self.double_steps > self.double_steps.writer.broadcast_integer(number)
 
 
 @dataclass(frozen=True)
@@ -82,33 +46,41 @@ class LoadTable:
     steps_per_double_step: int
     own_steps: OwnSteps | None = None
 
-    def load_at_nodes_of_step(self, step: ir.Value) -> Callable[[int], PhaseAndWaveforms]:
-        """The load in a step, as a function of the node."""
+    def load_at(self, double_step: ir.Value, part: int, node: int) -> PhaseAndWaveforms:
+        """The load at a node of a step, of a double step that has begun.
+
+        Parameters
+        ----------
+        double_step : ir.Value
+            Number of the double step that the step belongs to.
+        part : int
+            0 for the first fine step of it, or the coarse step, and 1 for the second.
+        node : int
+        """
         own = self.own_steps
         if own is None:
-            return lambda node: self._same_for_all(step, node)
-        nodes = range(self.node_count)
-        values = self.writer.either(
+            return self.same_for_all(double_step, part, node)
+        return self.writer.either(
             own.differ,
-            lambda: self._of_each(own, step),
-            lambda: [value for node in nodes for value in self._same_for_all(step, node)],
+            lambda: self.of_each(own.row(double_step), part, [node]),
+            lambda: self.same_for_all(double_step, part, node),
         )
-        size = self.column_count
-        return lambda node: values[node * size : (node + 1) * size]
 
-    def _same_for_all(self, step: ir.Value, node: int) -> PhaseAndWaveforms:
+    def same_for_all(self, double_step: ir.Value, part: int, node: int) -> PhaseAndWaveforms:
         """The load of trajectories that take the same steps: a scalar, copied to every lane."""
         b, w = self.writer.builder, self.writer
+        step = b.mul(double_step, w.integer_constant(self.steps_per_double_step))
+        step = b.add(step, w.integer_constant(part))
         base = b.mul(step, w.integer_constant(self._row_size))
         index = (w.integer_constant(node * self.column_count + k) for k in range(self.column_count))
         return [w.broadcast(w.load_scalar(self.table_pointer, b.add(base, k))) for k in index]
 
-    def _of_each(self, own: OwnSteps, step: ir.Value) -> list[Lanes]:
-        """The load of trajectories with steps of their own, node by node; anything after them."""
-        w, times = self.writer, float(self.steps_per_double_step)
-        row = smaller(w.broadcast_integer(step), own.double_steps * times - 1.0)
-        first = (own.first_row * times + row) * float(self._row_size)
-        return w.load_rows(self.table_pointer, first, self._row_size)
+    def of_each(self, row: Lanes, part: int, nodes: Sequence[int]) -> list[Lanes]:
+        """The load of trajectories with steps of their own, node by node."""
+        first = (row * float(self.steps_per_double_step) + float(part)) * float(self._row_size)
+        size = self.column_count
+        columns = [node * size + k for node in nodes for k in range(size)]
+        return self.writer.load_rows(self.table_pointer, first, columns)
 
     @property
     def _row_size(self) -> int:

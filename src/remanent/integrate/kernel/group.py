@@ -71,7 +71,7 @@ class RunConstants:
     run_end: Lanes
     tolerance: Lanes
     error_ceiling: Lanes
-    double_steps: Lanes
+    own_double_steps: Lanes
     first_row: Lanes
 
     @classmethod
@@ -101,13 +101,13 @@ class Cycle:
 
     def step_time(self, step: ir.Value) -> Lanes:
         """Time, tau, at the beginning of a fine step of the call in the cycle."""
-        # Counted from the start of the cycle, so that no digit depends on where calls begin.
         w = self.start_time.writer
-        return (
-            self.start_time
-            + w.broadcast_integer(w.builder.add(self.fine_steps_before, step))
-            * self.fine_step_length
-        )
+        return self.time_after(w.broadcast_integer(w.builder.add(self.fine_steps_before, step)))
+
+    def time_after(self, fine_steps: Lanes) -> Lanes:
+        """Time, tau, after so many fine steps of the cycle."""
+        # Counted from the start of the cycle, so that no digit depends on where calls begin.
+        return self.start_time + fine_steps * self.fine_step_length
 
 
 @dataclass(frozen=True)

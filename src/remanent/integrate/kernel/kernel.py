@@ -22,16 +22,12 @@ from llvmlite import ir
 from remanent._field import Field
 from remanent.integrate.kernel.error_monitor import ErrorMonitor
 from remanent.integrate.kernel.extreme_tracker import ExtremeTracker, StepStates
-from remanent.integrate.kernel.field_code import (
-    FieldCode,
-    LoadTable,
-    OwnSteps,
-    build_outlined_rates,
-)
+from remanent.integrate.kernel.field_code import FieldCode, LoadTable, build_outlined_rates
 from remanent.integrate.kernel.group import Cycle, GroupSlots, RunConstants, TrajectoryCells
-from remanent.integrate.kernel.lanes import DOUBLE_TYPE, INTEGER_TYPE, Writer
+from remanent.integrate.kernel.lanes import DOUBLE_TYPE, INTEGER_TYPE, Lanes, Writer
 from remanent.integrate.kernel.lockstep import Lockstep
 from remanent.integrate.kernel.options import KernelOptions, Method, build_slot_layout
+from remanent.integrate.kernel.own_steps import OwnClocks, OwnSteps, own_steps_of_group
 from remanent.integrate.kernel.recorder import Recorder
 from remanent.integrate.kernel.stepping import create_stepper
 
@@ -165,9 +161,12 @@ class GroupKernel:
         w = slots.writer
         cells = TrajectoryCells.read_from_slots(slots)
         nodes, columns = len(method.nodes), 1 + len(code.field.waveform_names)
-        own = None
-        if options.lanes_have_own_steps:
-            own = OwnSteps.of_group(run, argument_values.double_step_count)
+        b, args = w.builder, argument_values
+        before = b.add(
+            b.mul(args.cycles_before, args.double_step_count),
+            b.sdiv(args.fine_steps_before, w.integer_constant(2)),
+        )
+        own = own_steps_of_group(options.own_steps, run, before)
         fine, coarse = (
             LoadTable(w, table, nodes, columns, times, own)
             for table, times in (
@@ -203,7 +202,11 @@ class GroupKernel:
         )
 
     def write_loops(self) -> None:
-        """Write the loops over cycles and over the double steps of a cycle."""
+        """Write the loops over cycles and over the double steps of a cycle.
+
+        Where lanes go on by clocks of their own a cycle is a number of double steps, which is no
+        larger than that of any of their cycles.
+        """
         w, run = self.writer, self.run_constants
         with w.loop(self.argument_values.cycle_count) as (number, leave_if):
             # Counted from the start of the piece, so that no digit depends on where calls begin.
@@ -212,19 +215,20 @@ class GroupKernel:
             cycle = Cycle(
                 number, start, run.fine_step_length, self.argument_values.fine_steps_before
             )
-            leave_if(w.builder.not_(self.error_monitor.is_followed_in_cycle(cycle).any_lane()))
+            now = self._start_time(cycle, w.integer_constant(0), has_begun=False)
+            leave_if(w.builder.not_(self.error_monitor.is_followed_from(now).any_lane()))
             if self.options.estimates_error_per_cycle:
                 self.lockstep.restart_coarse()
             near_an_end = (
-                self.extreme_tracker.any_lane_near_tracking_limit(cycle)
+                self.extreme_tracker.any_lane_near_tracking_limit(now)
                 if self.extreme_tracker
                 else None
             )
             with w.loop(self.argument_values.double_step_count) as (double_step, _):
                 self._write_double_step(cycle, double_step, near_an_end)
-            if self.own_steps is not None:
-                count = self._fine_steps_before(w.builder.add(number, w.integer_constant(1)))
-                self.recorder.record_if_due(count, self.lockstep.fine_state())
+            if self.options.own_steps == "waiting":
+                fine_steps = self._fine_steps_of(w.builder.add(number, w.integer_constant(1)))
+                self.recorder.record_if_due(fine_steps, self.lockstep.fine_state())
         if self.extreme_tracker:
             self.extreme_tracker.resolve_kept_step()
 
@@ -232,30 +236,45 @@ class GroupKernel:
         self, cycle: Cycle, number: ir.Value, near_an_end: ir.Value | None
     ) -> None:
         """Write two fine steps and a coarse one, and what is learnt from them."""
-        b, w = self.writer.builder, self.writer
-        first = b.mul(number, w.integer_constant(2))
-        second = b.add(first, w.integer_constant(1))
+        b, w, own = self.writer.builder, self.writer, self.own_steps
         left, coarse_left = self.lockstep.fine_state(), self.lockstep.coarse_state()
-        # Lanes whose cycle is over stay where they are.
-        moving = None if self.own_steps is None else self.own_steps.last_until(number)
-        middle = self.lockstep.fine_step(first, moving)
-        right = self.lockstep.fine_step(second, moving)
+        moving = None if own is None else own.moving(number)
+        loads = self.lockstep.loads_in(number, coarse=self.options.has_coarse_solution)
+        middle = self.lockstep.fine_step(loads.first, moving)
+        right = self.lockstep.fine_step(loads.second, moving)
         states = StepStates(left, middle, right, None, None)
         if self.options.has_coarse_solution:
-            coarse_right = self.lockstep.coarse_step(number, moving)
+            coarse_right = self.lockstep.coarse_step(loads.coarse, moving)
             states = StepStates(left, middle, right, coarse_left, coarse_right)
+
+        def start_time() -> Lanes:
+            return self._start_time(cycle, number)
+
         if self.extreme_tracker and near_an_end is not None:
-            self.extreme_tracker.keep_eventful_step(states, cycle, first, second, near_an_end)
+            self.extreme_tracker.keep_eventful_step(states, number, loads, start_time, near_an_end)
         elif states.coarse_right is not None:
-            self.error_monitor.compare_states(
-                left, right, states.coarse_right, cycle.step_time(first)
-            )
-        if self.own_steps is None:
-            count = b.add(self._fine_steps_before(cycle.cycles_before_in_call), first)
+            self.error_monitor.compare_states(left, right, states.coarse_right, start_time())
+        if self.options.own_steps != "waiting":
+            first = b.mul(number, w.integer_constant(2))
+            count = b.add(self._fine_steps_of(cycle.cycles_before_in_call), first)
             self.recorder.record_if_due(b.add(count, w.integer_constant(1)), middle)
             self.recorder.record_if_due(b.add(count, w.integer_constant(2)), right)
 
-    def _fine_steps_before(self, cycles: ir.Value) -> ir.Value:
+    def _start_time(self, cycle: Cycle, number: ir.Value, *, has_begun: bool = True) -> Lanes:
+        """Time, tau, at the beginning of a double step."""
+        w, own = self.writer, self.own_steps
+        first = w.builder.mul(number, w.integer_constant(2))
+        if not isinstance(own, OwnClocks):
+            return cycle.step_time(first)
+        clocks = own
+        (time,) = w.either(
+            own.differ,
+            lambda: [clocks.time(of_next=not has_begun)],
+            lambda: [cycle.step_time(first)],
+        )
+        return time
+
+    def _fine_steps_of(self, cycles: ir.Value) -> ir.Value:
         """Fine steps of so many cycles of the call."""
         b, w = self.writer.builder, self.writer
         return b.mul(cycles, b.mul(self.argument_values.double_step_count, w.integer_constant(2)))

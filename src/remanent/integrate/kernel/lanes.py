@@ -84,14 +84,14 @@ class Writer:
     def load_scalar(self, pointer: ir.Value, index: ir.Value) -> ir.Value:
         return self.builder.load(self.builder.gep(pointer, [index]))
 
-    def load_rows(self, pointer: ir.Value, first: Lanes, count: int) -> list[Lanes]:
-        """For every lane so many numbers, from ``pointer[first]`` on."""
+    def load_rows(self, pointer: ir.Value, first: Lanes, columns: Sequence[int]) -> list[Lanes]:
+        """For every lane some of the numbers from ``pointer[first]`` on."""
         b = self.builder
         index = b.fptosi(first.ir_value, ir.VectorType(INTEGER_TYPE, self.lane_count))
         numbers = [ir.Constant(_LANE_INDEX_TYPE, lane) for lane in range(self.lane_count)]
         rows = [b.gep(pointer, [b.extract_element(index, number)]) for number in numbers]
         values = []
-        for k in range(count):
+        for k in columns:
             value = ir.Constant(self.vector_type, ir.Undefined)
             for number, row in zip(numbers, rows, strict=True):
                 scalar = self.load_scalar(row, self.integer_constant(k))

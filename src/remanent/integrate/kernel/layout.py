@@ -21,7 +21,7 @@ CONSTANT_SCALAR_NAMES = (
     "run_end",  # to here
     "tolerance",  # of the controlled error
     "error_ceiling",  # a trajectory is not followed once its error has been larger
-    "double_steps",  # in a cycle, where lanes have their own
+    "own_double_steps",  # in a cycle, where lanes of a group differ; else 0
     "first_row",  # of the table of the coarse steps where those of the lane begin, likewise
 )
 #: Scalars of a trajectory that a kernel changes.

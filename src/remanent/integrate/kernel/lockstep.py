@@ -11,8 +11,17 @@ from remanent.integrate.kernel.field_code import LoadTable
 from remanent.integrate.kernel.group import GroupSlots, TrajectoryCells
 from remanent.integrate.kernel.lanes import Lanes, Mask
 from remanent.integrate.kernel.options import Method
-from remanent.integrate.kernel.stepping import StepEnd, Stepper
+from remanent.integrate.kernel.stepping import LoadAtNode, StepEnd, Stepper
 from remanent.integrate.methods.runge_kutta import compensated_sum
+
+
+@dataclass(frozen=True)
+class DoubleStepLoads:
+    """The load at the nodes of the two fine steps and of the coarse one."""
+
+    first: LoadAtNode
+    second: LoadAtNode
+    coarse: LoadAtNode
 
 
 @dataclass(frozen=True)
@@ -49,17 +58,53 @@ class Lockstep:
         """Start the coarse solution anew from the fine one."""
         self.trajectory_cells.coarse.set(self.fine_state()[: self.coarse_variable_count])
 
-    def fine_step(self, step: ir.Value, moving: Mask | None = None) -> list[Lanes]:
+    def loads_in(self, double_step: ir.Value, *, coarse: bool) -> DoubleStepLoads:
+        """The load in a double step, at the nodes at which the method needs it.
+
+        Parameters
+        ----------
+        double_step : ir.Value
+            Its number in the cycle.
+        coarse : bool
+            Whether there is a coarse step too.
+        """
+        own, nodes = self.fine_loads.own_steps, self.method.load_node_indices
+        steps = [(self.fine_loads, 0), (self.fine_loads, 1)]
+        # At the end alone the coarse step sees what the second fine step sees.
+        shared = nodes == (self.fine_loads.node_count - 1,)
+        steps += [(self.coarse_loads, 0)] * (coarse and not shared)
+
+        def of_each() -> list[Lanes]:
+            assert own is not None
+            own.begin()
+            row = own.row(double_step)
+            return [v for table, part in steps for v in table.of_each(row, part, nodes)]
+
+        def same_for_all() -> list[Lanes]:
+            return [
+                value
+                for table, part in steps
+                for node in nodes
+                for value in table.same_for_all(double_step, part, node)
+            ]
+
+        w, size = self.fine_loads.writer, self.fine_loads.column_count
+        found = iter(same_for_all() if own is None else w.either(own.differ, of_each, same_for_all))
+        loads = [{node: [next(found) for _ in range(size)] for node in nodes} for _ in steps]
+        first, second, *others = (at.__getitem__ for at in loads)
+        return DoubleStepLoads(first, second, others[0] if others else second)
+
+    def fine_step(self, loads: LoadAtNode, moving: Mask | None = None) -> list[Lanes]:
         """A step of h; rounding is compensated where the method says so.
 
         Parameters
         ----------
-        step : ir.Value
-            Its number in the cycle.
+        loads : callable
+            The load in the step at a node.
         moving : Mask, optional
             Trajectories that take it, if not all do.
         """
-        y, loads = self.fine_state(), self.fine_loads.load_at_nodes_of_step(step)
+        y = self.fine_state()
 
         def update(change: list[Lanes]) -> list[Lanes]:
             if self.method.has_compensated_sum:
@@ -74,14 +119,14 @@ class Lockstep:
 
         return self.stepper.advance("fine", y, self.fine_step_length, loads, update)
 
-    def coarse_step(self, step: ir.Value, moving: Mask | None = None) -> list[Lanes]:
+    def coarse_step(self, loads: LoadAtNode, moving: Mask | None = None) -> list[Lanes]:
         """A step of 2h, rounded to fewer digits.
 
         Errors of rounding grow along the motion like any other.  Those of the coarse
         solution are made as much larger as its truncation error is, so that their
         share in the difference of the solutions is what the fine one makes.
         """
-        y, loads = self.coarse_state(), self.coarse_loads.load_at_nodes_of_step(step)
+        y = self.coarse_state()
 
         def update(change: list[Lanes]) -> list[Lanes]:
             bits = self.method.coarse_solution_lost_bits
@@ -99,10 +144,12 @@ class Lockstep:
         b, w = slots.writer.builder, slots.writer
         self.trajectory_cells.write_to_slots(slots)
         last = b.sub(double_steps, w.integer_constant(1))
-        last_fine = b.add(last, double_steps)
+        end = self.fine_loads.node_count - 1
+        fine = self.fine_loads.load_at(last, 1, end)
+        coarse = self.coarse_loads.load_at(last, 0, end)
         ends = {
-            "fine": StepEnd(self.fine_state, self.fine_loads.load_at_nodes_of_step(last_fine)),
-            "coarse": StepEnd(self.coarse_state, self.coarse_loads.load_at_nodes_of_step(last)),
+            "fine": StepEnd(self.fine_state, fine),
+            "coarse": StepEnd(self.coarse_state, coarse),
         }
         self.stepper.save_past_rates(slots, ends)
 

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 from remanent._field import Field
 from remanent.integrate.kernel.layout import SlotLayout
 from remanent.integrate.methods.adams import AdamsMethod, rate_variable_indices
 from remanent.integrate.methods.runge_kutta import RungeKuttaMethod
 
+#: What trajectories do that take fewer steps in a cycle than others of their group.
+OwnStepsKind = Literal["none", "waiting", "going on"]
 #: What a kernel can integrate with.
 Method = RungeKuttaMethod | AdamsMethod
 
@@ -37,10 +40,12 @@ class KernelOptions:
         How many of the first state variables the coarse solution has (all by default): these
         must not depend on the others, whose error is then not estimated.  Only with
         `estimates_error_per_cycle`.
-    lanes_have_own_steps : bool
-        Trajectories of one group may differ in how many double steps they take in a cycle; those
-        that need fewer wait for the others at its end, where alone states are recorded.  Only
-        for methods that need no past, and not with `follows_extremes`.
+    own_steps : {"none", "waiting", "going on"}
+        Whether trajectories of one group may differ in how many double steps they take in a
+        cycle.  "waiting": those that need fewer wait for the others at its end, where alone
+        states are recorded; only for methods that need no past, and not with
+        `follows_extremes`.  "going on": each goes on into its next cycle; no states of theirs
+        are recorded.
     """
 
     follows_extremes: bool = False
@@ -49,7 +54,7 @@ class KernelOptions:
     estimates_error_per_cycle: bool = False
     absolute_error_count: int | None = None
     coarse_variable_count: int | None = None
-    lanes_have_own_steps: bool = False
+    own_steps: OwnStepsKind = "none"
 
 
 def build_slot_layout(field: Field, options: KernelOptions) -> SlotLayout:

@@ -28,10 +28,10 @@ UpdateFunction = Callable[[list[Lanes]], list[Lanes]]
 
 @dataclass(frozen=True)
 class StepEnd:
-    """Reads the state at the end of a step, and the load in that step."""
+    """Reads the state at the end of a step, and the load there."""
 
     read_state: Callable[[], list[Lanes]]
-    load_at_node: LoadAtNode
+    load: PhaseAndWaveforms
 
 
 class Stepper(Protocol):
@@ -101,9 +101,7 @@ class RungeKuttaStepper:
         # The rings hold rates at the beginnings of steps; those at the very end are new.
         for solution, ring in self.ring_of_solution.items():
             end = ends[solution]
-            rates = self.field_code.rates(
-                end.read_state(), end.load_at_node(len(self.method.nodes) - 1)
-            )
+            rates = self.field_code.rates(end.read_state(), end.load)
             for i in self.history_variables:
                 for age, rate in enumerate(
                     [rates[i], *ring.newest_first(i)[: PAST_RATE_COUNT - 1]]

@@ -94,6 +94,14 @@ class CycleTables:
         is_short = double_steps <= _MOST_DOUBLE_STEPS_OF_SHORT_TABLES
         return (self._short_tables if is_short else self._long_tables)(nodes, double_steps)
 
+    def of_several(
+        self, nodes: tuple[float, ...], double_steps: IntArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """The tables of several numbers of double steps in a cycle, one after the other."""
+        tables = [self(nodes, count) for count in double_steps.tolist()]
+        fine, coarse = (np.concatenate(parts) for parts in zip(*tables, strict=True))
+        return fine, coarse
+
     def rows(
         self, nodes: tuple[float, ...], double_steps: int, part: slice
     ) -> tuple[FloatArray, FloatArray]:

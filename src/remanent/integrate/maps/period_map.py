@@ -252,7 +252,7 @@ class PeriodMap:
             has_coarse_solution=error_control != "none",
             absolute_error_count=self.dimension,
             coarse_variable_count=self.dimension if state_only else None,
-            lanes_have_own_steps=True,
+            own_steps="waiting",
         )
         self.kernel: Kernel = compiled_kernel(
             with_tangents if self.column_count else field, method, options
@@ -396,9 +396,9 @@ class PeriodMap:
         fine, coarse = self._cycle_tables(self.kernel.method.nodes, level)
         if segment.is_mixed:
             levels, place = np.unique(segment.levels, return_inverse=True)
-            tables = [self._cycle_tables(self.kernel.method.nodes, int(n)) for n in levels]
-            fine, coarse = (np.concatenate(parts) for parts in zip(*tables, strict=True))
+            fine, coarse = self._cycle_tables.of_several(self.kernel.method.nodes, levels)
             lanes[:, slot_of_name["first_row"]] = (np.cumsum(levels) - levels)[place]
+            lanes[:, slot_of_name["own_double_steps"]] = segment.levels
         record = None
         if course.periods:
             if course.keeps_visited_states:
@@ -410,7 +410,7 @@ class PeriodMap:
                 double_steps=level,
             )  # fmt: skip
         if course.adds_half_period:
-            lanes[:, slot_of_name["double_steps"]] /= 2
+            lanes[:, slot_of_name["own_double_steps"]] /= 2
             self.kernel(lanes, (fine, coarse), None, cycles=1, double_steps=level // 2)
         return record
 
@@ -426,7 +426,6 @@ class PeriodMap:
         scalars: dict[str, FloatArray | float] = {
             "cycle_length": points.period_lengths,
             "fine_step_length": points.period_lengths / (2 * levels),
-            "double_steps": levels.astype(np.float64),
             # Later than the end of the run, so that no cycle is left out.
             "run_end": 2.0 * (course.periods + 1) * points.period_lengths,
             "tolerance": np.inf,

@@ -107,6 +107,11 @@ class AdamsMethod:
         return 6
 
     @property
+    def load_node_indices(self) -> tuple[int, ...]:
+        """Nodes at which the load is needed in every step: the end."""
+        return (1,)
+
+    @property
     def nodes(self) -> tuple[float, float]:
         """Where in a step the load is needed: its ends."""
         return 0.0, 1.0

@@ -59,6 +59,11 @@ class RungeKuttaMethod:
                 raise ValueError(f"{self.name}: quadrature condition {power + 1} fails")
 
     @property
+    def load_node_indices(self) -> tuple[int, ...]:
+        """Nodes at which the load is needed in every step: all."""
+        return tuple(range(len(self.nodes)))
+
+    @property
     def evaluations_per_step(self) -> int:
         """Of the rates, in every step."""
         return len(self.stage_node_indices)

@@ -11,7 +11,7 @@ import sympy as sp
 from remanent._load_schedule import LoadSchedule
 from remanent._status import Status
 from remanent.integrate.ensemble.best_attempts import BestAttempts
-from remanent.integrate.ensemble.counts import counts_of_double_steps
+from remanent.integrate.ensemble.counts import counts_of_double_steps, cycle_counts
 from remanent.integrate.ensemble.ensemble import integrate, integrate_without_error_bound
 from remanent.integrate.ensemble.pool import PendingTrajectories, divide_into_chunks
 from remanent.integrate.ensemble.problem import Outcome, Problem, Request
@@ -389,9 +389,34 @@ def test_trajectories_that_are_run_together_take_as_many_steps() -> None:
     chunks = [*divide_into_chunks(asked, pending, 4, 2, DEFAULT_WORK_SIZES)]
     assert sorted(np.concatenate([chunk.indices for chunk in chunks]).tolist()) == [*range(60)]
     for chunk in chunks:
+        assert isinstance(chunk.resolution, int)
         assert (resolution[chunk.indices] == chunk.resolution).all()
         steps = counts_of_double_steps(asked.load_schedule, chunk.resolution, chunk.indices)
         assert np.ptp(steps) == 0
+
+
+def test_groups_are_filled_with_trajectories_of_several_resolutions() -> None:
+    """Of the whole groups of one resolution, and of the rest in groups alike in all their steps."""
+    rng = np.random.default_rng(11)
+    whole = driven()
+    count = whole.duration.size
+    pending = PendingTrajectories(np.arange(count), rng.choice([6, 12, 24, 48, 96, 8192], count))
+    chunks = [*divide_into_chunks(whole, pending, 4, 2, DEFAULT_WORK_SIZES, mixes=True)]
+    assert sorted(np.concatenate([chunk.indices for chunk in chunks]).tolist()) == [*range(count)]
+    mixed = [chunk for chunk in chunks if isinstance(chunk.resolution, np.ndarray)]
+    assert mixed
+    steps = [chunk.resolution * cycle_counts(whole, chunk.indices) for chunk in mixed]
+    for chunk, of_chunk, following in zip(mixed, steps, [*steps[1:], np.zeros(1)], strict=True):
+        np.testing.assert_array_equal(pending.resolution[chunk.indices], chunk.resolution)
+        assert of_chunk.min() >= following.max()
+        # As few steps as start a piece, or tables that are long, are not mixed.
+        assert np.isin(chunk.resolution, [12, 24, 48, 96]).all()
+    assert all(chunk.indices.size == 4 for chunk in mixed[:-1])
+    for chunk in chunks:
+        if isinstance(chunk.resolution, int):
+            assert (pending.resolution[chunk.indices] == chunk.resolution).all()
+            if chunk.resolution in (12, 24, 48, 96):
+                assert chunk.indices.size % 4 == 0
 
 
 @pytest.mark.parametrize("kind", [0, 2], ids=["times", "extremes"])
