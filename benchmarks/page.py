@@ -27,7 +27,8 @@ microseconds per trajectory and unit of $\\tau$; tools take turns. Compiling is 
 TARGETS = """\
 *Measured* is how many times as fast as the other tool this package is, where the row says nothing
 else; *at least* is what it has to reach, and *aim* what it should. *Met* is `aim` where the aim is
-reached, and `yes` where only the least is.
+reached, and `yes` where only the least is. Ratios to other tools differ between processors; the
+last section of the page names this one.
 """
 _WORK = """\
 Ours gives the extremes of $\\lambda_3$ over the whole motion, between steps too; the second of its

@@ -27,6 +27,9 @@ _TIGHTEST = 1e-12
 _LARGEST_ERROR = 1.0
 #: Microseconds per trajectory and tau with which a curve ends, so that nobody waits for more.
 _LONGEST_TIME = 30.0
+#: A curve ends after so many settings none of which halves the error: rounding is all that is
+#: left.
+_SETTINGS_WITHOUT_GAIN = 4
 #: Runs of a setting, of which the fastest counts; slow tools, timed on a sample, run once.
 _REPEATS = 3
 
@@ -61,6 +64,10 @@ def _points(plan: Plan, tool: Tool, job: Job, truth: Reference) -> list[dict[str
             f"{microseconds:.3g} µs"
         )
         points.append({**asdict(at), "microseconds": microseconds})
+        before = points[:-_SETTINGS_WITHOUT_GAIN]
+        lately = points[-_SETTINGS_WITHOUT_GAIN:]
+        if before and 2.0 * min(p["worst"] for p in lately) > min(p["worst"] for p in before):
+            break
         if at.worst < _TIGHTEST or (microseconds > _LONGEST_TIME and not tool.sample):
             break
     return points
