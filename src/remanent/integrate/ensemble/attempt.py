@@ -59,20 +59,18 @@ def _attempt_with_own_steps(run: Run, indices: IntArray, resolution: IntArray) -
         {name: values[0, indices] for name, values in load_schedule.piece_parameters.items()},
         begins_piece=True,
     )  # fmt: skip
-    levels, place = np.unique(resolution, return_inverse=True)
     memory.set_column("own_double_steps", resolution.astype(np.float64))
-    memory.set_column("first_row", (np.cumsum(levels) - levels)[place].astype(np.float64))
     longest = int((resolution * cycle_counts(run.problem, indices)).max())
-    together = int(levels[0])  # so that no lane passes the end of its cycle twice in a round
-    for kernel, first, double_steps, rounds in (
+    # So many at a time that no lane passes the end of its cycle twice.
+    double_steps = int(resolution.min())
+    rounds = -(-max(0, longest - START_DOUBLE_STEPS) // double_steps)
+    for kernel, first, count, cycles in (
         (kernels.start_kernel, 0, START_DOUBLE_STEPS, 1),
-        (
-            kernels.run_kernel, START_DOUBLE_STEPS, together,
-            max(0, -(-(longest - START_DOUBLE_STEPS) // together)),
-        ),
-    ):  # fmt: skip
-        tables = run.cycle_tables.of_several(kernel.method.nodes, levels)
-        kernel(memory.slots, tables, cycles=rounds, double_steps=double_steps, first_step=2 * first)
+        (kernels.run_kernel, START_DOUBLE_STEPS, double_steps, rounds),
+    ):
+        tables, first_row = run.cycle_tables.of_lanes(kernel.method.nodes, resolution)
+        memory.set_column("first_row", first_row.astype(np.float64))
+        kernel(memory.slots, tables, cycles=cycles, double_steps=count, first_step=2 * first)
     return _collect_attempt(memory, None, [])
 
 

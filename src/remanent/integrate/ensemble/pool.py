@@ -30,8 +30,6 @@ from remanent.integrate.methods.runge_kutta import default_method
 #: Least and largest double steps per cycle of trajectories that share groups with others: more
 #: than those of a start, and with tables of the load that are short.
 _LEAST_MIXED_RESOLUTION, _LARGEST_MIXED_RESOLUTION = 8, 4096
-#: So many resolutions make a mixture.
-_FEWEST_MIXED_RESOLUTIONS = 2
 
 
 @dataclass(frozen=True)
@@ -238,12 +236,12 @@ def _mixed_chunks(
     problem: Problem, members_of_level: Mapping[int, IntArray], lane_count: int
 ) -> Iterator[Chunk]:
     """Groups of trajectories of several resolutions that take about as many steps in all."""
-    present = {level: members for level, members in members_of_level.items() if members.size}
-    if len(present) < _FEWEST_MIXED_RESOLUTIONS:
-        yield from (Chunk(level, members) for level, members in present.items())
-        return
-    indices = np.concatenate([*present.values()])
-    resolution = np.repeat([*present], [members.size for members in present.values()])
+    nothing = np.empty(0, dtype=np.int64)
+    indices = np.concatenate([nothing, *members_of_level.values()])
+    sizes = [members.size for members in members_of_level.values()]
+    resolution = np.repeat(np.array([*members_of_level], dtype=np.int64), sizes)
     order = np.argsort(-resolution * cycle_counts(problem, indices), kind="stable")
-    for part in np.split(order, range(lane_count, order.size, lane_count)):
-        yield Chunk(resolution[part], indices[part])
+    for first in range(0, order.size, lane_count):
+        part = order[first : first + lane_count]
+        level, *others = np.unique(resolution[part]).tolist()
+        yield Chunk(resolution[part] if others else level, indices[part])

@@ -266,10 +266,9 @@ class GroupKernel:
         first = w.builder.mul(number, w.integer_constant(2))
         if not isinstance(own, OwnClocks):
             return cycle.step_time(first)
-        clocks = own
         (time,) = w.either(
             own.differ,
-            lambda: [clocks.time(of_next=not has_begun)],
+            lambda: [own.time(of_next=not has_begun)],
             lambda: [cycle.step_time(first)],
         )
         return time

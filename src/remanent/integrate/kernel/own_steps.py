@@ -42,7 +42,7 @@ class WaitingLanes:
     Attributes
     ----------
     differ : ir.Value
-    double_steps, last_until : Lanes
+    double_steps, moving_until : Lanes
         In a cycle of each lane; the second is infinite where lanes do not differ.
     first_row : Lanes
         Of the table of the coarse steps where those of the lane begin.
@@ -50,7 +50,7 @@ class WaitingLanes:
 
     differ: ir.Value
     double_steps: Lanes
-    last_until: Lanes
+    moving_until: Lanes
     first_row: Lanes
 
     def begin(self) -> None:
@@ -61,7 +61,7 @@ class WaitingLanes:
         return self.first_row + smaller(steps, self.double_steps - 1.0)
 
     def moving(self, number: ir.Value) -> Mask:
-        return self.last_until > self.last_until.writer.broadcast_integer(number)
+        return self.moving_until > self.moving_until.writer.broadcast_integer(number)
 
 
 @dataclass(frozen=True)

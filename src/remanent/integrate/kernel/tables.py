@@ -94,13 +94,27 @@ class CycleTables:
         is_short = double_steps <= _MOST_DOUBLE_STEPS_OF_SHORT_TABLES
         return (self._short_tables if is_short else self._long_tables)(nodes, double_steps)
 
-    def of_several(
+    def of_lanes(
         self, nodes: tuple[float, ...], double_steps: IntArray
-    ) -> tuple[FloatArray, FloatArray]:
-        """The tables of several numbers of double steps in a cycle, one after the other."""
-        tables = [self(nodes, count) for count in double_steps.tolist()]
+    ) -> tuple[tuple[FloatArray, FloatArray], IntArray]:
+        """The tables for lanes that differ in their double steps in a cycle.
+
+        Parameters
+        ----------
+        nodes : tuple of float
+        double_steps : array (lane,)
+
+        Returns
+        -------
+        (fine, coarse) : arrays (step, node, 1 + waveform)
+            Those of all numbers of double steps, one after the other.
+        first_row : array (lane,)
+            Of the coarse table where that of each lane begins.
+        """
+        counts, place = np.unique(double_steps, return_inverse=True)
+        tables = [self(nodes, count) for count in counts.tolist()]
         fine, coarse = (np.concatenate(parts) for parts in zip(*tables, strict=True))
-        return fine, coarse
+        return (fine, coarse), (np.cumsum(counts) - counts)[place]
 
     def rows(
         self, nodes: tuple[float, ...], double_steps: int, part: slice

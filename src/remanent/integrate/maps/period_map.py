@@ -393,12 +393,13 @@ class PeriodMap:
         """Advance some groups in place; the states after each period where asked."""
         lanes, level = memory.slots[segment.groups], segment.finest_level
         slot_of_name = self.kernel.layout.slot_of_name
-        fine, coarse = self._cycle_tables(self.kernel.method.nodes, level)
+        nodes = self.kernel.method.nodes
         if segment.is_mixed:
-            levels, place = np.unique(segment.levels, return_inverse=True)
-            fine, coarse = self._cycle_tables.of_several(self.kernel.method.nodes, levels)
-            lanes[:, slot_of_name["first_row"]] = (np.cumsum(levels) - levels)[place]
+            tables, first_row = self._cycle_tables.of_lanes(nodes, segment.levels)
+            lanes[:, slot_of_name["first_row"]] = first_row
             lanes[:, slot_of_name["own_double_steps"]] = segment.levels
+        else:
+            tables = self._cycle_tables(nodes, level)
         record = None
         if course.periods:
             if course.keeps_visited_states:
@@ -406,12 +407,11 @@ class PeriodMap:
                 record = np.empty((course.periods, lanes.shape[0], states, lanes.shape[2]))
             every = 2 * level if course.keeps_visited_states else 0
             self.kernel(
-                lanes, (fine, coarse), record, cycles=course.periods, every=every,
-                double_steps=level,
-            )  # fmt: skip
+                lanes, tables, record, cycles=course.periods, every=every, double_steps=level
+            )
         if course.adds_half_period:
             lanes[:, slot_of_name["own_double_steps"]] /= 2
-            self.kernel(lanes, (fine, coarse), None, cycles=1, double_steps=level // 2)
+            self.kernel(lanes, tables, None, cycles=1, double_steps=level // 2)
         return record
 
     def _initial_memory(

@@ -157,7 +157,7 @@ def test_steps_of_the_company_do_not_change_an_image(
             np.testing.assert_array_equal(getattr(whole, name)[k], values[0], err_msg=name)
 
 
-def test_a_group_takes_the_steps_of_its_finest_point() -> None:
+def test_points_wait_for_their_company_at_the_end_of_a_period() -> None:
     """x'' = -x: after a period of 2 pi every point is back, whatever steps its company takes."""
     flow = PeriodMap(Oscillator(-Q, {}).field(), turning, error_control="none")
     start = np.random.default_rng(4).uniform(-1.0, 1.0, (40, 2))
