@@ -37,26 +37,29 @@ _ROUND_OFF_FACTOR = 1.0
 class BestAttempts:
     """The best attempt of every trajectory so far.
 
-    What changes: the arrays of `outcome`, and `stall_counts`, are written as attempts come in.
+    What changes: the arrays of `outcome`, `largest_error` and `stall_counts` are written as
+    attempts come in.
 
     Attributes
     ----------
     problem : Problem
     outcome : Outcome
         Of the best attempts.
-    stall_counts : array (trajectory,)
+    largest_error, stall_counts : array (trajectory,)
         See :class:`~remanent.integrate.ensemble.refinement.AttemptHistory`.
     """
 
     problem: Problem
     outcome: Outcome
+    largest_error: FloatArray
     stall_counts: IntArray
 
     @classmethod
     def before_first_attempt(cls, problem: Problem, request: Request) -> Self:
         """Before the first attempt."""
         count = problem.duration.size
-        return cls(problem, _empty_outcome(problem, request), np.zeros(count, dtype=np.int64))
+        largest_error, stall_counts = np.full(count, np.nan), np.zeros(count, dtype=np.int64)
+        return cls(problem, _empty_outcome(problem, request), largest_error, stall_counts)
 
     @classmethod
     def of_known_run(cls, problem: Problem, request: Request, outcome: Outcome) -> Self:
@@ -82,6 +85,7 @@ class BestAttempts:
         return AttemptHistory(
             outcome.horizon[indices],
             outcome.resolution[indices],
+            self.largest_error[indices],
             self.stall_counts[indices],
             outcome.status[indices],
         )
@@ -110,6 +114,7 @@ class BestAttempts:
     def _keep_improved(self, chunk: Chunk, attempt: Attempt, decision: RefinementDecision) -> None:
         """Replace the results of those trajectories that are better now."""
         outcome, met = self.outcome, attempt.within_tolerance
+        self.largest_error[chunk.indices] = attempt.largest_error
         self.stall_counts[chunk.indices] = decision.stall_counts
         outcome.status[chunk.indices] = decision.status
         source = np.flatnonzero(decision.is_improvement)

@@ -9,7 +9,7 @@ call for different answers:
   however fine the steps are: give up and report the horizon.
 * The motion escapes or is singular: give up and say so.
 
-They are told apart by how the horizon moves from attempt to attempt.
+They are told apart by how the horizon and the error move from attempt to attempt.
 """
 
 from __future__ import annotations
@@ -54,14 +54,17 @@ class AttemptHistory:
         Of the attempt that reached furthest; NaN before the first one.
     resolution : array (trajectory,)
         Of the same attempt; 0 before the first one.
+    largest_error : array (trajectory,)
+        Of the last attempt; NaN before the first one.
     stall_counts : array (trajectory,)
-        Attempts in a row that were finer and reached no further.
+        Attempts in a row that were finer and neither reached further nor had a smaller error.
     status : array (trajectory,) of int8
         Values of :class:`~remanent._status.Status`.
     """
 
     horizon: FloatArray
     resolution: IntArray
+    largest_error: FloatArray
     stall_counts: IntArray
     status: NDArray[np.int8]
 
@@ -152,6 +155,10 @@ class RefinementPolicy:
         tolerance until it exceeded it.  An error that *jumps* past the tolerance tells of
         steps too long for a fast stretch of the motion; one that *grows* past it, of a motion
         that magnifies errors.
+    smaller_error_ratio : float
+        Nor does one whose largest error is smaller than that of the attempt before by this
+        factor.  Extremes are compared at turning points only, and of a run for those of its
+        second half the horizon lies at the first turn there until it has reached the end.
     escape_state_size : float
         A state beyond this has left the range of any actuator.
     """
@@ -166,6 +173,7 @@ class RefinementPolicy:
     late_horizon_share_of_run: float = 0.8
     early_horizon_cycles: float = 3.0
     jump_error_share_of_tolerance: float = 0.05
+    smaller_error_ratio: float = 0.5
     escape_state_size: float = 1e6
 
     def decide(
@@ -232,8 +240,12 @@ class RefinementPolicy:
         """How many attempts in a row have stalled and tell something."""
         jumped = summary.error_to_horizon < self.jump_error_share_of_tolerance * self.tolerance
         finer = summary.resolution >= self.min_telling_refinement_factor * history.resolution
+        # The attempt before may have lost the motion, so that its error is infinite or NaN.
+        smaller = summary.largest_error < np.fmin(
+            self.smaller_error_ratio * history.largest_error, ASYMPTOTIC_ERROR_LIMIT
+        )
         telling = stalled & ~jumped & finer
-        return np.asarray(np.where(stalled, history.stall_counts + telling, 0))
+        return np.asarray(np.where(stalled & ~smaller, history.stall_counts + telling, 0))
 
     def _is_exhausted(
         self, trajectories: TrajectoryScales, horizon: FloatArray, stalls: IntArray

@@ -263,6 +263,19 @@ def test_states_beyond_the_horizon_are_not_given() -> None:
     assert (outcome.horizon[short] < whole.duration[short]).all()
 
 
+def test_extremes_of_the_second_half_meet_a_tolerance_if_they_meet_a_tighter_one() -> None:
+    """Turning points are compared from there on only, and the horizon lies at the first of them.
+
+    That it stays there, attempt after attempt, says nothing of the motion.
+    """
+    whole = crowd(200)
+    request = Request(wants_extremes=True, extremes_begin=0.5 * whole.duration)
+    loose, tight = (integrate(whole, request, tolerance=t).status for t in (1e-7, 1e-8))
+    met = tight == Status.OK
+    assert met.sum() > 190
+    assert (loose[met] == Status.OK).all()
+
+
 def test_an_invalid_trajectory_is_not_computed_and_disturbs_nobody() -> None:
     """Its status is invalid, its numbers NaN; the others keep every bit."""
     whole = driven(10)

@@ -41,6 +41,7 @@ class Row:
     best_resolution: int = 16
     stalls: int = 0
     status_before: Status = Status.HORIZON
+    error_before: float = 1.5e-6
     # summary
     resolution: int = 32
     met: bool = False
@@ -55,6 +56,7 @@ class Row:
 NEW: dict[str, Any] = {
     "best_horizon": NAN,
     "best_resolution": 0,
+    "error_before": NAN,
     "status_before": Status.NOT_COMPUTED,
 }
 STUCK: dict[str, Any] = {"horizon": 20.5, "stalls_after": 1}
@@ -76,6 +78,18 @@ TABLE = [
     Row(
         "refine: the error jumped past the tolerance, so that steps are too long",
         Status.HORIZON, True, horizon=20.5, error_to_horizon=1e-10, stalls_after=0,
+    ),
+    Row(
+        "refine: the error has become less than half, though the horizon has stalled",
+        Status.HORIZON, True, horizon=20.5, error_before=2.1e-6, stalls_after=0,
+    ),
+    Row(
+        "refine: the motion is no longer lost, though the horizon has stalled",
+        Status.HORIZON, True, horizon=20.5, error_before=NAN, largest_error=1e-4, stalls_after=0,
+    ),
+    Row(
+        "give up: two errors that tell nothing do not become smaller",
+        Status.HORIZON, False, error_before=math.inf, largest_error=0.02, **STUCK,
     ),
     Row(
         "refine: within the first cycles nothing is given up",
@@ -135,6 +149,7 @@ def decide(rows: list[Row]) -> RefinementDecision:
         AttemptHistory(
             column("best_horizon"),
             column("best_resolution"),
+            column("error_before"),
             column("stalls"),
             column("status_before").astype(np.int8),
         ),
