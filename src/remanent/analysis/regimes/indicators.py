@@ -119,17 +119,22 @@ def mean_square_displacement(series: FloatArray, c: FloatArray, lags: int) -> Fl
     Work and memory grow as the square of the number of lags.
     """
     count = series.shape[1] - lags
-    n, d = np.arange(1, lags + 1)[:, None], np.arange(lags)
-    start = series[:, 1 : count + 1]
-    products = np.empty((len(series), lags, lags))  # of a = n and b = n - d
-    last, first = n - 1, np.maximum(n - 1 - d, 0)
-    ends = series[:, count + last] * series[:, count + first] - series[:, last] * series[:, first]
-    products[:] = np.where(n > d + 1, ends / count, 0.0)
-    for k in d:  # the first entry of each difference, from which the running sum starts
-        products[:, k, k] = np.einsum("pj,pj->p", start, series[:, 1 + k : count + 1 + k]) / count
-    products = np.cumsum(products, axis=1)
+    d = np.arange(lags)
+    start, phi = series[:, 1 : count + 1], np.ascontiguousarray(series.T)
+    averages = np.zeros((lags, lags, len(series)))  # of a = k + 1 and b = k + 1 - d, at k and d
+    for k in range(lags):
+        # The first entry of its difference, from which the running sum starts.
+        averages[k, k] = np.einsum("pj,pj->p", start, series[:, 1 + k : count + 1 + k]) / count
+        if k > 0:
+            others = averages[k, :k]
+            np.multiply(phi[count + k], phi[count + k : count : -1], out=others)
+            others -= phi[k] * phi[k:0:-1]
+            others /= count
+            others += averages[k - 1, :k]
     turned = np.where(d > 0, 2.0, 1.0)[:, None] * np.cos(np.outer(d, c))
-    return np.cumsum(products @ turned, axis=1)
+    # Orbits first, so that each is multiplied by itself, in the same order in any company.
+    displacement = np.ascontiguousarray(np.moveaxis(averages, 2, 0)) @ turned
+    return np.cumsum(displacement, axis=1, out=displacement)
 
 
 def mean_square_displacement_by_transforms(

@@ -53,12 +53,15 @@ def find_best_returns(points: FloatArray, *, closed: float = 0.0) -> BestReturns
         period that reaches it is the best.
     """
     length = points.shape[1]
-    extent = np.maximum(np.ptp(points, axis=1).max(axis=1), _MIN_ORBIT_EXTENT)
     longest = max(min(MAX_RETURN_PERIOD, length // 2), 1)
     starts = range(0, max(len(points), 1), _ORBITS_PER_BATCH)
-    late = np.concatenate(
-        [_late_return_distances(points[i : i + _ORBITS_PER_BATCH], longest) for i in starts]
-    )
+    # Orbits last, so that the inner loops run over them.
+    batches = [
+        np.ascontiguousarray(np.moveaxis(points[i : i + _ORBITS_PER_BATCH], 0, 2)) for i in starts
+    ]
+    extent = np.concatenate([np.ptp(batch, axis=0).max(axis=0) for batch in batches])
+    extent = np.maximum(extent, _MIN_ORBIT_EXTENT)
+    late = np.concatenate([_late_return_distances(batch, longest) for batch in batches])
     late /= extent[:, None]
     # A multiple of the period returns as well as the period, but for rounding: so the first
     # of the distances that are nearly the least is taken.
@@ -80,12 +83,23 @@ def find_best_returns(points: FloatArray, *, closed: float = 0.0) -> BestReturns
 
 
 def _late_return_distances(points: FloatArray, longest: int) -> FloatArray:
-    """Largest distance after 1, 2 ... `longest` iterates over the last quarter of orbits."""
-    # Orbits last, so that the inner loops run over them.
-    x = np.ascontiguousarray(np.moveaxis(points, 0, 2))
-    length = len(x)
-    late = np.full((longest, len(points)), np.inf)
+    """Largest distance after 1, 2 ... `longest` iterates over the last quarter of orbits.
+
+    Parameters
+    ----------
+    points : array (iterate, observable, orbit)
+    longest : int
+
+    Returns
+    -------
+    array (orbit, distance)
+    """
+    length, _, orbits = points.shape
+    late = np.full((longest, orbits), np.inf)
+    distance = np.empty_like(points)
     for q in range(1, min(longest, length - 1) + 1):
         tail = min(max(length // 4, q), length - q)
-        late[q - 1] = np.abs(x[-tail:] - x[length - tail - q : length - q]).max(axis=(0, 1))
+        d = distance[:tail]
+        np.subtract(points[-tail:], points[length - tail - q : length - q], out=d)
+        late[q - 1] = np.abs(d, out=d).max(axis=(0, 1))
     return np.ascontiguousarray(late.T)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Sequence
 from functools import lru_cache
 
@@ -111,10 +112,12 @@ class CycleTables:
         first_row : array (lane,)
             Of the coarse table where that of each lane begins.
         """
-        counts, place = np.unique(double_steps, return_inverse=True)
-        tables = [self(nodes, count) for count in counts.tolist()]
+        of_lanes = double_steps.tolist()
+        counts = sorted(set(of_lanes))
+        tables = [self(nodes, count) for count in counts]
         fine, coarse = (np.concatenate(parts) for parts in zip(*tables, strict=True))
-        return (fine, coarse), (np.cumsum(counts) - counts)[place]
+        first_rows = dict(zip(counts, itertools.accumulate(counts, initial=0), strict=False))
+        return (fine, coarse), np.array([first_rows[count] for count in of_lanes])
 
     def rows(
         self, nodes: tuple[float, ...], double_steps: int, part: slice
