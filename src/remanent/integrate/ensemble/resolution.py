@@ -11,6 +11,7 @@ from remanent._typing import FloatArray, IntArray
 from remanent.integrate.ensemble.counts import cycle_counts
 from remanent.integrate.ensemble.pool import KernelPool, PendingTrajectories
 from remanent.integrate.ensemble.problem import Problem, Request
+from remanent.integrate.ensemble.run import ASYMPTOTIC_ERROR_LIMIT
 from remanent.integrate.kernel.layout import PAST_RATE_COUNT
 from remanent.integrate.kernel.options import Method
 from remanent.integrate.methods.adams import AdamsMethod, adams_method
@@ -40,6 +41,10 @@ _REFERENCE_TOLERANCE = 1e-9
 _MIN_LONG_RUN_CYCLES = 24
 #: The beginning is one part in so many of the run.
 _RUN_TO_BEGINNING_RATIO = 8
+#: A beginning is tried at most so often.
+_MAX_TRIES_OF_BEGINNING = 6
+#: What it asks for is at most so many times as fine as it was tried.
+_MAX_FACTOR_FROM_BEGINNING = 3.0
 #: The error of an extreme or a state grows with the time, or with its square: it is taken to
 #: grow with this power.
 _POWER_OF_TIME_IN_ERROR_GROWTH = 1.5
@@ -125,31 +130,52 @@ def estimate_resolutions_from_beginnings(
 ) -> PendingTrajectories:
     """Trajectories with the resolution that the beginnings of long runs ask for.
 
-    An estimate that is too coarse is refined later; one that is too fine costs little.
+    An estimate that is too coarse is refined later; one that is too fine costs little.  Where a
+    beginning loses the motion, it is tried again at twice the resolution: the run would lose it
+    too, after more steps.
     """
     beginnings = _beginnings_of_long_runs(problem, pending.indices)
     long = beginnings.duration[pending.indices] > 0.0
     tried = PendingTrajectories(pending.indices[long], pending.resolution[long])
     resolution = np.zeros(problem.duration.shape, dtype=np.int64)
     resolution[pending.indices] = pending.resolution
-    least = initial_resolution(np.inf, method)
     request = replace(
         request, extremes_begin=None
     )  # extremes may be asked for after the beginning only
-    for chunk, attempt in pool.run_attempts(beginnings, request, tried):
-        indices = chunk.indices
-        growth = (
-            problem.duration[indices] / beginnings.duration[indices]
-        ) ** _POWER_OF_TIME_IN_ERROR_GROWTH
-        error = attempt.largest_error * growth
-        with np.errstate(all="ignore"):
-            factor = (error / (TOLERANCE_SHARE_AIMED_AT * pool.tolerance)) ** (1.0 / method.order)
-        # Where the beginning says nothing, or asks for more than twice as fine, the run itself
-        # is tried at twice the resolution: it says more.
-        factor = np.where(np.isfinite(factor), factor, _BLIND_REFINEMENT_FACTOR)
-        factor = factor.clip(0.0, _BLIND_REFINEMENT_FACTOR)
-        resolution[indices] = round_up_resolution(np.maximum(least, factor * chunk.resolution))
+    for _ in range(_MAX_TRIES_OF_BEGINNING):
+        lost = np.zeros(problem.duration.shape, dtype=np.bool_)
+        for chunk, attempt in pool.run_attempts(beginnings, request, tried):
+            i = chunk.indices
+            lost[i] = ~(attempt.largest_error < ASYMPTOTIC_ERROR_LIMIT)
+            resolution[i] = _resolution_of_run(
+                attempt.largest_error,
+                problem.duration[i] / beginnings.duration[i],
+                chunk.resolution,
+                pool.tolerance,
+                method,
+            )
+        again = np.flatnonzero(lost & (resolution <= most))
+        if not again.size:
+            break
+        tried = PendingTrajectories(again, resolution[again])
     return PendingTrajectories(pending.indices, np.minimum(resolution[pending.indices], most))
+
+
+def _resolution_of_run(
+    error: FloatArray,
+    length_ratio: FloatArray,
+    resolution: IntArray | int,
+    tolerance: float,
+    method: Method,
+) -> IntArray:
+    """What a run asks for that is so many times as long as its beginning, which has an error."""
+    grown = error * length_ratio**_POWER_OF_TIME_IN_ERROR_GROWTH
+    with np.errstate(all="ignore"):
+        factor = (grown / (TOLERANCE_SHARE_AIMED_AT * tolerance)) ** (1.0 / method.order)
+    factor = factor.clip(0.0, _MAX_FACTOR_FROM_BEGINNING)
+    factor = np.where(error < ASYMPTOTIC_ERROR_LIMIT, factor, _BLIND_REFINEMENT_FACTOR)
+    least = initial_resolution(np.inf, method)
+    return round_up_resolution(np.maximum(least, factor * resolution))
 
 
 def _beginnings_of_long_runs(problem: Problem, indices: IntArray) -> Problem:

@@ -13,14 +13,26 @@ from remanent._status import Status
 from remanent.integrate.ensemble.best_attempts import BestAttempts
 from remanent.integrate.ensemble.counts import counts_of_double_steps, cycle_counts
 from remanent.integrate.ensemble.ensemble import integrate, integrate_without_error_bound
-from remanent.integrate.ensemble.pool import PendingTrajectories, divide_into_chunks
+from remanent.integrate.ensemble.pool import (
+    KernelPool,
+    PendingTrajectories,
+    divide_into_chunks,
+)
 from remanent.integrate.ensemble.problem import Outcome, Problem, Request
-from remanent.integrate.ensemble.resolution import round_up_resolution
+from remanent.integrate.ensemble.resolution import (
+    MAX_RESOLUTION,
+    choose_method,
+    estimate_resolutions_from_beginnings,
+    initial_resolution,
+    round_up_resolution,
+)
 from remanent.integrate.ensemble.work_sizes import DEFAULT_WORK_SIZES, WorkSizes
 from remanent.integrate.events import find_crossings
+from remanent.integrate.kernel.options import KernelOptions
 from tests.unit.integrate.handmade import SINE, Oscillator, Q, V, problem
 
 DRIVEN = Oscillator(-sp.sin(Q) + sp.Symbol("a") * SINE, {"a": 0.0})
+STIFF = Oscillator(-400 * sp.sin(Q) + SINE, {})
 RUNAWAY = Oscillator(Q**3, {})
 POLE = Oscillator(1 / Q, {})
 
@@ -366,6 +378,26 @@ def test_an_interrupted_run_stops() -> None:
 
     with pytest.raises(KeyboardInterrupt):
         integrate(driven(10), Request(strobe_cycles=1), tolerance=1e-9, progress=interrupt)
+
+
+def test_a_long_run_begins_with_about_the_steps_that_it_needs() -> None:
+    """Ten oscillations in a period: with the first resolution its beginning loses the motion."""
+    start = np.array([[0.5, 0.0], [1.0, 0.0], [2.0, 0.0]])
+    asked = problem(STIFF, start, 300.0, period=3.0)
+    request, tolerance = Request(wants_extremes=True), 1e-7
+    needed = integrate(asked, request, tolerance=tolerance)
+    assert (needed.status == Status.OK).all()
+    method = choose_method(request, tolerance)
+    first = initial_resolution(tolerance, method)
+    assert (needed.resolution > 4 * first).all()
+    options = KernelOptions(follows_extremes=True, own_steps="going on")
+    with KernelPool(asked, method, options, tolerance) as pool:
+        begun = estimate_resolutions_from_beginnings(
+            pool, asked, request, PendingTrajectories(np.arange(3), np.full(3, first)), method,
+            most=MAX_RESOLUTION,
+        )  # fmt: skip
+    assert (begun.resolution >= 0.6 * needed.resolution).all()
+    assert (begun.resolution <= 1.5 * needed.resolution).all()
 
 
 def test_resolutions_are_rounded_up() -> None:
