@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from remanent._typing import FloatArray, IntArray
-from remanent.integrate.ensemble.counts import cycle_counts
+from remanent.integrate.ensemble.counts import NOMINAL_CYCLE_TIME, cycle_counts
 from remanent.integrate.ensemble.pool import KernelPool, PendingTrajectories
 from remanent.integrate.ensemble.problem import Problem, Request
 from remanent.integrate.ensemble.run import ASYMPTOTIC_ERROR_LIMIT
@@ -37,12 +37,13 @@ _BLIND_REFINEMENT_FACTOR = 2.0
 _MIN_ADAMS_TOLERANCE = 1e-10
 #: Tolerance for which the resolutions of :func:`initial_resolution` are given.
 _REFERENCE_TOLERANCE = 1e-9
-#: Runs of at least so many cycles are begun to estimate their resolution.
+#: Runs of at least so many cycles, or nominal times, are begun to estimate their resolution.
 _MIN_LONG_RUN_CYCLES = 24
 #: The beginning is one part in so many of the run.
 _RUN_TO_BEGINNING_RATIO = 8
-#: A beginning is tried at most so often.
-_MAX_TRIES_OF_BEGINNING = 6
+#: A beginning is tried with up to so many times the steps that it was tried with first; more in
+#: proportion in a long cycle.
+_MAX_REFINEMENT_OF_BEGINNING = 32
 #: What it asks for is at most so many times as fine as it was tried.
 _MAX_FACTOR_FROM_BEGINNING = 3.0
 #: The error of an extreme or a state grows with the time, or with its square: it is taken to
@@ -142,7 +143,10 @@ def estimate_resolutions_from_beginnings(
     request = replace(
         request, extremes_begin=None
     )  # extremes may be asked for after the beginning only
-    for _ in range(_MAX_TRIES_OF_BEGINNING):
+    cycle_length = problem.load_schedule.piece_lengths[0]
+    most_tried = (cycle_length / NOMINAL_CYCLE_TIME).clip(min=1.0) * _MAX_REFINEMENT_OF_BEGINNING
+    most_tried *= initial_resolution(pool.tolerance, method)
+    while tried.indices.size:
         lost = np.zeros(problem.duration.shape, dtype=np.bool_)
         for chunk, attempt in pool.run_attempts(beginnings, request, tried):
             i = chunk.indices
@@ -154,9 +158,7 @@ def estimate_resolutions_from_beginnings(
                 pool.tolerance,
                 method,
             )
-        again = np.flatnonzero(lost & (resolution <= most))
-        if not again.size:
-            break
+        again = np.flatnonzero(lost & (resolution <= most_tried.clip(max=most)))
         tried = PendingTrajectories(again, resolution[again])
     return PendingTrajectories(pending.indices, np.minimum(resolution[pending.indices], most))
 
@@ -180,8 +182,17 @@ def _resolution_of_run(
 
 def _beginnings_of_long_runs(problem: Problem, indices: IntArray) -> Problem:
     """The beginnings of long runs; nothing of others."""
-    cycles = np.zeros(problem.duration.shape, dtype=np.int64)
+    beginning = np.zeros(problem.duration.shape)
     if problem.load_schedule.periodic:
-        cycles[indices] = cycle_counts(problem, indices)
-    beginning = np.where(cycles >= _MIN_LONG_RUN_CYCLES, cycles // _RUN_TO_BEGINNING_RATIO, 0)
-    return replace(problem, duration=beginning * problem.load_schedule.piece_lengths[0])
+        duration, length = (
+            problem.duration[indices],
+            problem.load_schedule.piece_lengths[0, indices],
+        )
+        cycles = cycle_counts(problem, indices)
+        few_but_long = duration >= _MIN_LONG_RUN_CYCLES * NOMINAL_CYCLE_TIME
+        beginning[indices] = np.where(
+            cycles >= _MIN_LONG_RUN_CYCLES,
+            cycles // _RUN_TO_BEGINNING_RATIO * length,
+            np.where(few_but_long, duration / _RUN_TO_BEGINNING_RATIO, 0.0),
+        )
+    return replace(problem, duration=beginning)
