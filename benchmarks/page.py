@@ -185,24 +185,27 @@ def _pictures(row: str, data: Any) -> Iterator[str]:
     if row == "precision":
         for name, one in data.items():
             tools = "; ".join(curve["name"] for curve in one["curves"].values())
-            yield from _picture(
-                f"precision-{name}", figures.precision, one, _CAPTIONS[name],
-                f"{_PRECISION_SEEN}: {tools}",
-            )  # fmt: skip
+            file = f"precision-{name}.svg"
+            figures.precision(one, DOCS / "results" / file)
+            yield _figure(file, _CAPTIONS[name], f"{_PRECISION_SEEN}: {tools}")
     elif row == "growth":
-        yield from _picture("growth", figures.growth, data, _GROWTH_CAPTION, _GROWTH_SEEN)
+        figures.growth(data, DOCS / "results" / "growth.svg")
+        yield _figure("growth.svg", _GROWTH_CAPTION, _GROWTH_SEEN)
     elif row == "chart" and (DOCS / "results" / "chart.png").exists():
-        yield f"```{{figure}} results/chart.png\n{_CHART_CAPTION}\n```\n"
+        yield _figure("chart.png", _CHART_CAPTION, _CHART_SEEN)
 
 
-def _picture(name: str, draw: Any, data: Any, caption: str, seen: str) -> Iterator[str]:
-    draw(data, DOCS / "results" / f"{name}.svg")
-    yield f"```{{figure}} results/{name}.svg\n:alt: {seen}\n\n{caption}\n```\n"
+def _figure(file: str, caption: str, seen: str) -> str:
+    return f"```{{figure}} results/{file}\n:alt: {seen}\n\n{caption}\n```\n"
 
 
 _CHART_CAPTION = """\
 Tori by their rotation number, chaos by its exponent; grey is undecided after 500 periods. On the
 line a pair of orbits of the primary resonance is born."""
+_CHART_SEEN = (
+    "A map of the plane of frequency and amplitude of the load in colours of the rotation number, "
+    "with grey bands of undecided motions and a line along which orbits are born"
+)
 _PRECISION_SEEN = (
     "Two panels with logarithmic axes, the worst and the median error falling to the right and the "
     "time rising; a curve of settings for each of"
