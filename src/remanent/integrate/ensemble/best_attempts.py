@@ -10,7 +10,12 @@ import numpy as np
 
 from remanent._status import Status
 from remanent._typing import FloatArray, IntArray
-from remanent.integrate.ensemble.counts import NOMINAL_CYCLE_TIME, cycle_counts, fine_step_counts
+from remanent.integrate.ensemble.counts import (
+    MAX_FINE_STEPS_PER_TRAJECTORY,
+    NOMINAL_CYCLE_TIME,
+    cycle_counts,
+    fine_step_counts,
+)
 from remanent.integrate.ensemble.pool import PendingTrajectories
 from remanent.integrate.ensemble.problem import EXTREME_NAMES, Outcome, Problem, Request
 from remanent.integrate.ensemble.refinement import (
@@ -23,8 +28,6 @@ from remanent.integrate.ensemble.refinement import (
 from remanent.integrate.ensemble.resolution import MAX_RESOLUTION
 from remanent.integrate.ensemble.run import Attempt, Chunk
 
-#: Most fine steps of one trajectory.
-MAX_FINE_STEPS_PER_TRAJECTORY = 2.0**28
 #: For a slow drive the largest resolution is up to so many times larger.
 _MAX_DRIVE_SLOWNESS = 16.0
 #: Longest cycle that is resolved with that many steps, at four double steps per nominal time.

@@ -10,6 +10,8 @@ from remanent.integrate.ensemble.problem import Problem
 
 #: Without a period, resolution counts double steps per this time (about one oscillation), tau.
 NOMINAL_CYCLE_TIME = 2.5
+#: Most fine steps of one trajectory.
+MAX_FINE_STEPS_PER_TRAJECTORY = 2.0**28
 #: Most cycles that are counted; more than anybody waits for, and an exact double.
 _MAX_CYCLE_COUNT = 2**53
 #: Most double steps of a piece that are counted.

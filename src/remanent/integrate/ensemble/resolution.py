@@ -8,7 +8,11 @@ from typing import Final
 import numpy as np
 
 from remanent._typing import FloatArray, IntArray
-from remanent.integrate.ensemble.counts import NOMINAL_CYCLE_TIME, cycle_counts
+from remanent.integrate.ensemble.counts import (
+    MAX_FINE_STEPS_PER_TRAJECTORY,
+    NOMINAL_CYCLE_TIME,
+    cycle_counts,
+)
 from remanent.integrate.ensemble.pool import KernelPool, PendingTrajectories
 from remanent.integrate.ensemble.problem import Problem, Request
 from remanent.integrate.ensemble.run import ASYMPTOTIC_ERROR_LIMIT
@@ -143,9 +147,10 @@ def estimate_resolutions_from_beginnings(
     request = replace(
         request, extremes_begin=None
     )  # extremes may be asked for after the beginning only
-    cycle_length = problem.load_schedule.piece_lengths[0]
-    most_tried = (cycle_length / NOMINAL_CYCLE_TIME).clip(min=1.0) * _MAX_REFINEMENT_OF_BEGINNING
-    most_tried *= initial_resolution(pool.tolerance, method)
+    most_tried = np.zeros(problem.duration.shape)
+    most_tried[tried.indices] = np.minimum(
+        _most_double_steps_of_beginning(problem, tried.indices, pool.tolerance, method), most
+    )
     while tried.indices.size:
         lost = np.zeros(problem.duration.shape, dtype=np.bool_)
         for chunk, attempt in pool.run_attempts(beginnings, request, tried):
@@ -158,9 +163,19 @@ def estimate_resolutions_from_beginnings(
                 pool.tolerance,
                 method,
             )
-        again = np.flatnonzero(lost & (resolution <= most_tried.clip(max=most)))
+        again = np.flatnonzero(lost & (resolution <= most_tried))
         tried = PendingTrajectories(again, resolution[again])
     return PendingTrajectories(pending.indices, np.minimum(resolution[pending.indices], most))
+
+
+def _most_double_steps_of_beginning(
+    problem: Problem, indices: IntArray, tolerance: float, method: Method
+) -> FloatArray:
+    """Up to how many double steps a cycle the beginnings of some runs are tried, array (run,)."""
+    slowness = problem.load_schedule.piece_lengths[0, indices] / NOMINAL_CYCLE_TIME
+    finest = _MAX_REFINEMENT_OF_BEGINNING * initial_resolution(tolerance, method)
+    affordable = MAX_FINE_STEPS_PER_TRAJECTORY / (2.0 * cycle_counts(problem, indices))
+    return np.asarray(np.minimum(finest * slowness.clip(min=1.0), affordable))
 
 
 def _resolution_of_run(
