@@ -347,6 +347,14 @@ def test_a_cycle_is_refused_where_no_steps_resolve_it(period: float, affordable:
     assert (pending.indices.size == 1) == affordable
 
 
+@pytest.mark.filterwarnings("error")
+def test_the_longest_cycle_there_is_gives_a_status_and_no_warning() -> None:
+    """Neither its steps nor those of its beginning are counted beyond what numbers hold."""
+    asked = problem(Oscillator(-Q, {}), (1.0, 0.0), 1e308, period=1.7e308)
+    outcome = integrate(asked, Request(wants_extremes=True), tolerance=1e-6)
+    assert outcome.status[0] == Status.MAX_STEPS
+
+
 def test_a_piece_may_be_empty() -> None:
     """Pieces of length zero, for some trajectories only, change nothing."""
     start = np.array([[1.0, 0.0], [1.0, 0.0]])
