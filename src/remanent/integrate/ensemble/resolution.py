@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from remanent._typing import FloatArray, IntArray
+from remanent._typing import BoolArray, FloatArray, IntArray
 from remanent.integrate.ensemble.counts import (
     MAX_FINE_STEPS_PER_TRAJECTORY,
     NOMINAL_CYCLE_TIME,
@@ -45,10 +45,10 @@ _REFERENCE_TOLERANCE = 1e-9
 _MIN_LONG_RUN_CYCLES = 24
 #: The beginning is one part in so many of the run.
 _RUN_TO_BEGINNING_RATIO = 8
-#: A beginning is tried with up to so many times the steps that it was tried with first; more in
+#: The finest try of a beginning takes at most so many times the steps of the first; more in
 #: proportion in a long cycle.
 _MAX_REFINEMENT_OF_BEGINNING = 32
-#: What it asks for is at most so many times as fine as it was tried.
+#: A run takes at most so many times the steps per cycle of the last try of its beginning.
 _MAX_FACTOR_FROM_BEGINNING = 3.0
 #: The error of an extreme or a state grows with the time, or with its square: it is taken to
 #: grow with this power.
@@ -115,13 +115,19 @@ def refine_resolution(
     ladder : array of int
         The resolutions there are.
     """
-    with np.errstate(all="ignore"):
-        factor = (error / (TOLERANCE_SHARE_AIMED_AT * tolerance)) ** (1.0 / order)
-    meaningful = np.isfinite(factor) & (error < asymptotic_limit)
-    factor = np.where(meaningful, factor, _BLIND_REFINEMENT_FACTOR)
+    factor = _refinement_factor(error, tolerance, order, error < asymptotic_limit)
     factor = factor.clip(_MIN_REFINEMENT_FACTOR, _MAX_REFINEMENT_FACTOR)
     following = round_up_resolution(np.asarray(resolution) + 1, ladder)
     return np.maximum(round_up_resolution(factor * resolution, ladder), following)
+
+
+def _refinement_factor(
+    error: FloatArray, tolerance: FloatArray | float, order: int, is_asymptotic: BoolArray
+) -> FloatArray:
+    """How many times as fine the steps must be, by the order where the error follows it."""
+    with np.errstate(all="ignore"):
+        factor = (error / (TOLERANCE_SHARE_AIMED_AT * tolerance)) ** (1.0 / order)
+    return np.where(is_asymptotic & np.isfinite(factor), factor, _BLIND_REFINEMENT_FACTOR)
 
 
 def estimate_resolutions_from_beginnings(
@@ -185,12 +191,11 @@ def _resolution_of_run(
     tolerance: float,
     method: Method,
 ) -> IntArray:
-    """What a run asks for that is so many times as long as its beginning, which has an error."""
+    """The resolution of a run, from the error of its beginning and the ratio of their lengths."""
     grown = error * length_ratio**_POWER_OF_TIME_IN_ERROR_GROWTH
-    with np.errstate(all="ignore"):
-        factor = (grown / (TOLERANCE_SHARE_AIMED_AT * tolerance)) ** (1.0 / method.order)
-    factor = factor.clip(0.0, _MAX_FACTOR_FROM_BEGINNING)
-    factor = np.where(error < ASYMPTOTIC_ERROR_LIMIT, factor, _BLIND_REFINEMENT_FACTOR)
+    is_asymptotic = error < ASYMPTOTIC_ERROR_LIMIT
+    factor = _refinement_factor(grown, tolerance, method.order, is_asymptotic)
+    factor = factor.clip(max=_MAX_FACTOR_FROM_BEGINNING)
     least = initial_resolution(np.inf, method)
     return round_up_resolution(np.maximum(least, factor * resolution))
 

@@ -23,7 +23,7 @@ RESOLUTIONS = (512, 640, 768, 896, 1024, 1280, 1536, 1792, 2048, 3072)
 def maximum_and_bound(
     problem: Problem, method: Method, resolution: int
 ) -> tuple[FloatArray, FloatArray]:
-    """Of the extremes of one attempt, whatever its error."""
+    """The maximum that one attempt at a resolution finds, and the bound of its error."""
     request = Request(wants_extremes=True, extremes_begin=np.full(1, 0.5 * END))
     options = KernelOptions(follows_extremes=True, own_steps="going on")
     pending = PendingTrajectories(np.array([0]), np.array([resolution]))
@@ -36,7 +36,7 @@ def maximum_and_bound(
 def test_bounds_of_extremes_cover_what_rounding_has_become() -> None:
     """A thin cube thrown to six times its thickness: rounding has grown to 5e-7 at the end.
 
-    Shorter steps do not lower it.  Runge and Kutta's steps round less, to 1e-8 in the end.
+    Shorter steps do not lower it.  With the Runge-Kutta method it grows to 1e-8 only.
     """
     body = rm.Actuator(
         c=0.0010370766585762825,
