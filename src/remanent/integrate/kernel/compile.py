@@ -37,7 +37,7 @@ if hasattr(os, "register_at_fork"):
 _STEPS_PER_CALL = 1_000_000
 #: How much LLVM optimises, and code of more letters, as of many states with all their tangents.
 _SPEED_LEVEL, _SPEED_LEVEL_OF_LARGE = 3, 1
-_LARGE_SOURCE_LETTERS = 10_000_000
+_LARGE_SOURCE_LETTERS = 1_000_000
 
 
 @dataclass(frozen=True)

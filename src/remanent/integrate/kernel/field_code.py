@@ -13,7 +13,7 @@ from remanent.integrate.kernel.extrema import TimeDerivatives
 from remanent.integrate.kernel.group import GroupSlots
 from remanent.integrate.kernel.lanes import LaneFunctions, Lanes, Writer, reciprocal_quotient
 from remanent.integrate.kernel.options import KernelOptions, Method
-from remanent.integrate.kernel.outline import MAX_INLINED_INSTRUCTIONS, OutlinedRates
+from remanent.integrate.kernel.outline import MAX_INLINED_INSTRUCTIONS, OutlinedField
 from remanent.integrate.kernel.own_steps import OwnSteps
 from remanent.integrate.methods.runge_kutta import RungeKuttaMethod
 
@@ -88,10 +88,10 @@ class LoadTable:
         return self.node_count * self.column_count
 
 
-def build_outlined_rates(
+def build_outlined_fields(
     field: Field, method: Method, options: KernelOptions, writer: Writer
-) -> dict[int, OutlinedRates]:
-    """The rates as functions of their own, by how many variables they are for.
+) -> dict[int, OutlinedField]:
+    """Rates and steps as functions of their own, by how many variables they are for.
 
     Empty where the rates are short, or where a method evaluates them so rarely that writing
     them out costs the compiler little.
@@ -102,7 +102,7 @@ def build_outlined_rates(
         return {}
     states = len(field.state_names)
     sizes = {states, options.coarse_variable_count or states}
-    return {size: OutlinedRates(field, writer, size) for size in sorted(sizes)}
+    return {size: OutlinedField(field, method, writer, size) for size in sorted(sizes)}
 
 
 @dataclass(frozen=True)
@@ -113,18 +113,19 @@ class FieldCode:
     ----------
     parameters : sequence of Lanes
         Of the trajectories of the group.
-    outlined_rates : mapping of int to OutlinedRates
-        Functions for the rates, see :func:`build_outlined_rates`; written out in place if empty.
+    outlined : mapping of int to OutlinedField
+        Functions for rates and steps, see :func:`build_outlined_fields`; written out in place if
+        empty.
     """
 
     field: Field
     writer: Writer
     parameters: Sequence[Lanes]
-    outlined_rates: Mapping[int, OutlinedRates]
+    outlined: Mapping[int, OutlinedField]
 
     @classmethod
     def with_parameters_of(
-        cls, field: Field, slots: GroupSlots, outlined: Mapping[int, OutlinedRates]
+        cls, field: Field, slots: GroupSlots, outlined: Mapping[int, OutlinedField]
     ) -> Self:
         """Read the parameters of a group."""
         parameters = slots.parameters()
@@ -139,8 +140,8 @@ class FieldCode:
         divide: DivideFunction = reciprocal_quotient,
     ) -> list[Lanes]:
         """The rates of all state variables, or of the first ones, on which no others act."""
-        if self.outlined_rates:
-            return self.outlined_rates[len(y)](load[0], y, load[1:])
+        if self.outlined:
+            return self.outlined[len(y)].rates(y, load)
         absent = [self.writer.constant(0.0)] * (len(self.field.state_names) - len(y))
         return self._run_program(self.field.rates, [*y, *absent], load, divide)[: len(y)]
 

@@ -22,7 +22,7 @@ from llvmlite import ir
 from remanent._field import Field
 from remanent.integrate.kernel.error_monitor import ErrorMonitor
 from remanent.integrate.kernel.extreme_tracker import ExtremeTracker, StepStates
-from remanent.integrate.kernel.field_code import FieldCode, LoadTable, build_outlined_rates
+from remanent.integrate.kernel.field_code import FieldCode, LoadTable, build_outlined_fields
 from remanent.integrate.kernel.group import Cycle, GroupSlots, RunConstants, TrajectoryCells
 from remanent.integrate.kernel.lanes import DOUBLE_TYPE, INTEGER_TYPE, Lanes, Writer
 from remanent.integrate.kernel.lockstep import Lockstep
@@ -113,7 +113,7 @@ def _write_group_loop(
     argument_values: KernelArguments,
 ) -> None:
     """Write the loop over groups."""
-    outlined = build_outlined_rates(field, method, options, writer)
+    outlined = build_outlined_fields(field, method, options, writer)
     with writer.loop(argument_values.group_count) as (group, _):
         slots = GroupSlots(
             writer, argument_values.slots_pointer, build_slot_layout(field, options), group

@@ -89,13 +89,21 @@ class RungeKuttaStepper:
         self, solution: str, y: Sequence[Lanes], h: Lanes, loads: LoadAtNode, update: UpdateFunction
     ) -> list[Lanes]:
         load = [loads(node) for node in range(len(self.method.nodes))]
+        rates, change = self._rates_and_change(y, h, load)
+        self.ring_of_solution[solution].push({i: rates[i] for i in self.history_variables})
+        return update(change)
+
+    def _rates_and_change(
+        self, y: Sequence[Lanes], h: Lanes, load: Sequence[PhaseAndWaveforms]
+    ) -> tuple[list[Lanes], list[Lanes]]:
+        """The rates at the beginning of a step, and what it adds to the state."""
+        if self.field_code.outlined:
+            return self.field_code.outlined[len(y)].step(y, h, load)
         slopes = self.method.stage_slopes(
             lambda node, z: self.field_code.rates(z, load[node]), y, h
         )
-        change = self.method.increment_from_slopes(slopes, h)
-        # The first stage is at the beginning of the step: its slopes are the rates there.
-        self.ring_of_solution[solution].push({i: slopes[0][i] for i in self.history_variables})
-        return update(change)
+        # The first stage is at the beginning of the step.
+        return slopes[0], self.method.increment_from_slopes(slopes, h)
 
     def save_past_rates(self, slots: GroupSlots, ends: Mapping[str, StepEnd]) -> None:
         # The rings hold rates at the beginnings of steps; those at the very end are new.
