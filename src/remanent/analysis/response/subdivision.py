@@ -16,9 +16,12 @@ import numpy as np
 
 from remanent._typing import BoolArray, FloatArray, IntArray
 
-#: ``function(case, x, tolerance)`` with arrays (point,) gives values and their errors, arrays
-#: (point,), for a tolerance; NaN where unknown.
-CaseFunction = Callable[[IntArray, FloatArray, float], tuple[FloatArray, FloatArray]]
+#: ``function(case, x, tolerance, resolution)`` with arrays (point,) gives values, NaN where
+#: unknown, their errors, and the resolutions that they needed, arrays (point,), for a tolerance.
+#: It is told the resolution that points beside these needed, 0 where that is not known.
+CaseFunction = Callable[
+    [IntArray, FloatArray, float, IntArray], tuple[FloatArray, FloatArray, IntArray]
+]
 #: ``effort(case, x)`` with arrays (point,): what the function takes there, in any unit.
 EffortFunction = Callable[[IntArray, FloatArray], FloatArray]
 #: Factor between the tolerances with which the top of a maximum is computed.
@@ -58,6 +61,7 @@ def refine_maxima(
     x: FloatArray,
     values: FloatArray,
     errors: FloatArray,
+    resolutions: IntArray,
     function: CaseFunction,
     *,
     tolerance: float,
@@ -80,8 +84,11 @@ def refine_maxima(
         Increasing.
     values, errors : array (case, point)
         NaN is never the largest.
+    resolutions : array (case, point)
+        How fine a computation the values needed.
     function : callable
-        Of arrays (point,) of cases and places, and a tolerance: further values and errors.
+        Further values, errors and resolutions, from arrays (point,) of cases and places, a
+        tolerance, and the resolutions that neighbours needed.
     tolerance : float
         With which `values` were computed.
     width : float
@@ -96,8 +103,8 @@ def refine_maxima(
         Of all points of a case together.
     """
     tables = [
-        _CaseTable(x, v, e, tolerance).restricted_to_peaks(candidates)
-        for v, e in zip(values, errors, strict=True)
+        _CaseTable(x, v, e, r, tolerance).restricted_to_peaks(candidates)
+        for v, e, r in zip(values, errors, resolutions, strict=True)
     ]
     spent, is_cut_short = np.zeros(len(tables)), np.zeros(len(tables), dtype=np.bool_)
     while True:
@@ -114,10 +121,14 @@ def refine_maxima(
             chosen = [k for k, (own, p) in enumerate(steps) if own == level and p.size]
             points = [steps[k][1] for k in chosen]
             case = np.repeat(np.array(chosen), [p.size for p in points])
-            new = function(case, np.concatenate(points), level)
+            near = [
+                tables[k].resolutions_beside(p, level) for k, p in zip(chosen, points, strict=True)
+            ]
+            new = function(case, np.concatenate(points), level, np.concatenate(near))
             for k, p in zip(chosen, points, strict=True):
-                own_values, own_errors = (column[case == k] for column in new)
-                tables[k] = tables[k].with_points(p, own_values, own_errors, level)
+                own_values, own_errors, own_resolutions = (column[case == k] for column in new)
+                own = _CaseTable(p, own_values, own_errors, own_resolutions, level)
+                tables[k] = tables[k].with_points(own)
         candidates = max(1, candidates - 1)
     found = np.array([t.best_peak() for t in tables])
     position, value, position_error, value_error, has_two_sides = found.T
@@ -132,7 +143,7 @@ def refine_maxima(
 
 @dataclass(frozen=True)
 class _CaseTable:
-    """Values and errors of one case at increasing places, arrays (point,).
+    """Values, errors and resolutions of one case at increasing places, arrays (point,).
 
     Attributes
     ----------
@@ -147,6 +158,7 @@ class _CaseTable:
     positions: FloatArray
     values: FloatArray
     errors: FloatArray
+    resolutions: IntArray
     tolerance: float
     outer: tuple[float, float] = (-np.inf, np.inf)
     finest: float = _FINEST_TOLERANCE
@@ -172,6 +184,7 @@ class _CaseTable:
             positions=self.positions[subset],
             values=self.values[subset],
             errors=self.errors[subset],
+            resolutions=self.resolutions[subset],
         )
 
     def bracket_indices(self, k: int) -> tuple[int, int]:
@@ -229,22 +242,27 @@ class _CaseTable:
             return self.tolerance, np.empty(0)
         return level, np.unique(np.linspace(low, high, 2 * division + 1))
 
-    def with_points(
-        self, x: FloatArray, values: FloatArray, errors: FloatArray, tolerance: float
-    ) -> _CaseTable:
+    def resolutions_beside(self, x: FloatArray, tolerance: float) -> IntArray:
+        """What the points on both sides of others needed: the larger; 0 at another tolerance."""
+        if tolerance != self.tolerance:
+            return np.zeros(x.shape, dtype=np.int64)
+        above = np.searchsorted(self.positions, x).clip(1, self.positions.size - 1)
+        return np.asarray(np.maximum(self.resolutions[above - 1], self.resolutions[above]))
+
+    def with_points(self, new: _CaseTable) -> _CaseTable:
         """A table with further points, in order; or of these alone if their errors are smaller."""
-        if tolerance < self.tolerance:
-            if not np.isfinite(values).all():
-                return replace(self, finest=tolerance / _TOLERANCE_STEP)
-            outer = (float(x[0]), float(x[-1]))
-            return _CaseTable(x, values, errors, tolerance, outer, self.finest)
-        places = np.concatenate([self.positions, x])
-        order = np.argsort(places, kind="stable")
+        if new.tolerance < self.tolerance:
+            if not np.isfinite(new.values).all():
+                return replace(self, finest=new.tolerance / _TOLERANCE_STEP)
+            outer = (float(new.positions[0]), float(new.positions[-1]))
+            return replace(new, outer=outer, finest=self.finest)
+        order = np.argsort(np.concatenate([self.positions, new.positions]), kind="stable")
         return replace(
             self,
-            positions=places[order],
-            values=np.concatenate([self.values, values])[order],
-            errors=np.concatenate([self.errors, errors])[order],
+            positions=np.concatenate([self.positions, new.positions])[order],
+            values=np.concatenate([self.values, new.values])[order],
+            errors=np.concatenate([self.errors, new.errors])[order],
+            resolutions=np.concatenate([self.resolutions, new.resolutions])[order],
         )
 
     def best_peak(self) -> tuple[float, float, float, float, bool]:

@@ -8,14 +8,14 @@ results are bit-identical however the work is divided.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from remanent._status import Status
-from remanent._typing import FloatArray
+from remanent._typing import FloatArray, IntArray
 from remanent.integrate.ensemble import short_runs
 from remanent.integrate.ensemble.best_attempts import BestAttempts
 from remanent.integrate.ensemble.pool import KernelPool, PendingTrajectories
@@ -50,6 +50,7 @@ def integrate(
     *,
     tolerance: float,
     method: Method | None = None,
+    first_resolution: IntArray | None = None,
     max_resolution: int = MAX_RESOLUTION,
     workers: int | None = None,
     progress: ProgressCallback | None = None,
@@ -67,6 +68,9 @@ def integrate(
         Of the error of what is returned, absolute.
     method : RungeKuttaMethod or AdamsMethod, optional
         Of the steps after the first few of every piece; by default as :func:`choose_method` says.
+    first_resolution : array (trajectory,), optional
+        Double steps per cycle to begin with, such as similar trajectories needed; 0 where that is
+        to be found out.  Runs that end early in their first period do not take it over.
     max_resolution : int
         Refinement stops there with status ``MAX_STEPS``.
     workers : int, optional
@@ -94,27 +98,28 @@ def integrate(
             short_runs.as_one_piece(short_runs.subset(problem, parts[0])),
             short_runs.subset(problem, parts[1]),
         )
-        return merge_outcomes(
-            short.size,
-            (
-                (part, integrate(p, short_runs.subset_of_request(request, part), **common))
-                for part, p in zip(parts, problems, strict=True)
-                if part.size
-            ),
-        )
+        first = (None, None if first_resolution is None else first_resolution[parts[1]])
+
+        def outcomes() -> Iterator[tuple[IntArray, Outcome]]:
+            for part, own, resolution in zip(parts, problems, first, strict=True):
+                if part.size:
+                    asked = short_runs.subset_of_request(request, part)
+                    yield part, integrate(own, asked, first_resolution=resolution, **common)
+
+        return merge_outcomes(short.size, outcomes())
     tolerance = min(tolerance, LOOSEST_TOLERANCE_USED)
     method = method or choose_method(request, tolerance)
     policy = RefinementPolicy(tolerance, method.order, max_resolution)
     best = BestAttempts.before_first_attempt(problem, request)
-    first = min(max_resolution, initial_resolution(tolerance, method))
+    coarsest = min(max_resolution, initial_resolution(tolerance, method))
     # States at given times cost more than the steps: they are taken in one more attempt, when
     # the resolution is known.  Strobed states cost nothing and are taken on the way.
     search = replace(request, times=None, inspect_window=None)
     options = _kernel_options(request)
     with KernelPool(problem, method, options, tolerance, workers=workers, sizes=sizes) as pool:
-        pending = best.without_unaffordable(_every_valid_trajectory_pending_at(problem, first))
+        pending = best.without_unaffordable(_every_valid_trajectory_pending_at(problem, coarsest))
         pending = estimate_resolutions_from_beginnings(
-            pool, problem, search, pending, method, most=max_resolution
+            pool, problem, search, pending, method, known=first_resolution, most=max_resolution
         )
         finished = problem.duration.size - pending.indices.size
 

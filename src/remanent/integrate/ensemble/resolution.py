@@ -137,19 +137,25 @@ def estimate_resolutions_from_beginnings(
     pending: PendingTrajectories,
     method: Method,
     *,
+    known: IntArray | None = None,
     most: int,
 ) -> PendingTrajectories:
     """Trajectories with the resolution that the beginnings of long runs ask for.
 
     An estimate that is too coarse is refined later; one that is too fine costs little.  Where a
     beginning loses the motion, it is tried again at twice the resolution: the run would lose it
-    too, after more steps.
+    too, after more steps.  Where a resolution is `known` to be about right, array (trajectory,),
+    and not 0, nothing is begun.
     """
     beginnings = _beginnings_of_long_runs(problem, pending.indices)
-    long = beginnings.duration[pending.indices] > 0.0
-    tried = PendingTrajectories(pending.indices[long], pending.resolution[long])
     resolution = np.zeros(problem.duration.shape, dtype=np.int64)
     resolution[pending.indices] = pending.resolution
+    long = beginnings.duration > 0.0
+    if known is not None:
+        resolution = np.where(known > 0, round_up_resolution(known), resolution)
+        long &= known == 0
+    long_indices = pending.indices[long[pending.indices]]
+    tried = PendingTrajectories(long_indices, resolution[long_indices])
     request = replace(
         request, extremes_begin=None
     )  # extremes may be asked for after the beginning only

@@ -30,12 +30,12 @@ from remanent.studies.orbits._period_map import StroboscopicMap
 from remanent.studies.orbits._pilot_resolution import FIRST_RESOLUTION
 
 #: Error of a period in the first search.
-_ROUGH_PERIOD_TOLERANCE = 1e-6
+_ROUGH_PERIOD_TOLERANCE = 1e-5
 #: Largest resolution of the first search per unit of time, and at least: guesses that need more
 #: lead nowhere.
-_ROUGH_FINEST_RESOLUTION_PER_TIME = 50.0
+_ROUGH_FINEST_RESOLUTION_PER_TIME = 37.5
 #: Least value of that.
-_ROUGH_FINEST_RESOLUTION = 128
+_ROUGH_FINEST_RESOLUTION = 96
 #: Residual of the orbits of the first search, and largest error of the image of a guess.
 _ROUGH_RESIDUAL = 10.0 * _ROUGH_PERIOD_TOLERANCE
 #: Steps without progress after which a guess of the first search is given up: most wander for

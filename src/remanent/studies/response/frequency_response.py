@@ -167,17 +167,20 @@ def frequency_response(
     ens = lay_out_ensemble(system, drive, {**(over or {}), "omega": grid}, initial)
 
     def respond(
-        runs: Ensemble, tolerance: float, report: ProgressFunction | None = None
+        runs: Ensemble, tolerance: float, first_resolution: IntArray | None = None
     ) -> Outcome:
-        return thickness_extremes_over_window(runs, duration, periods, discard, tolerance, report)
+        return thickness_extremes_over_window(
+            runs, duration, periods, discard, tolerance, first_resolution=first_resolution,
+            progress=as_progress(progress) if runs is ens else None,
+        )  # fmt: skip
 
     def lengths(runs: Ensemble) -> FloatArray:
         return trajectory_durations(runs, duration, periods)
 
-    outcome = respond(ens, tolerance, as_progress(progress))
+    outcome = respond(ens, tolerance)
     amplitude = _amplitude(outcome)
     peak = _find_resonance(
-        ens, grid, amplitude, outcome.error, respond, lengths, tolerance, resonance_width
+        ens, grid, amplitude, outcome, respond, lengths, tolerance, resonance_width
     )
     columns = {"amplitude": amplitude} | {name: getattr(outcome, name) for name in EXTREME_NAMES}
     return to_dataset(
@@ -219,8 +222,9 @@ def thickness_extremes_over_window(
     periods: int | None,
     discard: float,
     tolerance: float,
-    progress: ProgressFunction | None = None,
     *,
+    progress: ProgressFunction | None = None,
+    first_resolution: IntArray | None = None,
     batch_size: int = TRAJECTORIES_PER_BATCH,
 ) -> Outcome:
     """Extremes of the thickness stretch of every trajectory, worked out `batch_size` at a time."""
@@ -240,7 +244,10 @@ def thickness_extremes_over_window(
             )
             report = report_part_of_whole(progress, part, ens.trajectory_count)
             problem = initial_value_problem(batch, trajectory_durations(batch, duration, periods))
-            yield part, integrate(problem, request, tolerance=tolerance, progress=report)
+            yield part, integrate(
+                problem, request, tolerance=tolerance, progress=report,
+                first_resolution=None if first_resolution is None else first_resolution[part],
+            )  # fmt: skip
 
     return merge_outcomes(ens.trajectory_count, parts())
 
@@ -251,21 +258,26 @@ def _amplitude(outcome: Outcome) -> FloatArray:
     return np.asarray(amplitude)
 
 
+def _needed_resolution(outcome: Outcome) -> IntArray:
+    """Double steps per cycle that met the tolerance; 0 where none did."""
+    return np.where(outcome.status == Status.OK, outcome.resolution, 0)
+
+
 def _find_resonance(
     ens: Ensemble,
     grid: FloatArray,
     amplitude: FloatArray,
-    error: FloatArray,
-    respond: Callable[[Ensemble, float], Outcome],
+    outcome: Outcome,
+    respond: Callable[[Ensemble, float, IntArray], Outcome],
     lengths: Callable[[Ensemble], FloatArray],
     tolerance: float,
     width: float,
 ) -> BracketedMaxima:
     """The largest amplitude for every combination of the other fields."""
     axis = ens.dims.index("omega")
-    values, errors = (
+    values, errors, resolutions = (
         np.moveaxis(ens.reshape_to_dims(column), axis, -1).reshape(-1, grid.size)
-        for column in (amplitude, error)
+        for column in (amplitude, outcome.error, _needed_resolution(outcome))
     )
     first = [1 if dim == "omega" else size for dim, size in ens.dimension_sizes.items()]
     index = np.ravel_multi_index(
@@ -273,10 +285,11 @@ def _find_resonance(
     ).ravel()
 
     def measure(
-        case: IntArray, omega: FloatArray, tolerance: float
-    ) -> tuple[FloatArray, FloatArray]:
-        outcome = respond(_ensemble_at_frequencies(ens, index[case], omega), tolerance)
-        return _amplitude(outcome), outcome.error
+        case: IntArray, omega: FloatArray, tolerance: float, resolution: IntArray
+    ) -> tuple[FloatArray, FloatArray, IntArray]:
+        runs = _ensemble_at_frequencies(ens, index[case], omega)
+        outcome = respond(runs, tolerance, resolution)
+        return _amplitude(outcome), outcome.error, _needed_resolution(outcome)
 
     def effort(case: IntArray, omega: FloatArray) -> FloatArray:
         runs = _ensemble_at_frequencies(ens, index[case], omega)
@@ -285,7 +298,7 @@ def _find_resonance(
             return np.nan_to_num(lengths(runs) * steps)
 
     return refine_maxima(
-        grid, values, errors, measure, tolerance=tolerance, width=width,
+        grid, values, errors, resolutions, measure, tolerance=tolerance, width=width,
         effort=effort, max_effort=_MOST_STEPS_OF_SEARCH,
     )  # fmt: skip
 

@@ -409,6 +409,27 @@ def test_a_long_run_begins_with_about_the_steps_that_it_needs(period: float) -> 
     assert (begun.resolution <= 1.5 * needed.resolution).all()
 
 
+def test_a_run_that_is_told_its_resolution_begins_with_it() -> None:
+    """One that is too fine is kept, one that is too coarse refined; 0 says nothing, as before.
+
+    Of runs that end early in their first period the resolution is another, and is not taken over.
+    """
+    slow = replace(crowd(48), duration=np.where(np.arange(48) < 6, 0.1, crowd(48).duration))
+    asked = Request(wants_extremes=True)
+    needed = integrate(slow, asked, tolerance=1e-8)
+    told = np.where(np.arange(48) % 3 == 0, 0, 2 * needed.resolution)
+    finer = integrate(slow, asked, tolerance=1e-8, first_resolution=told)
+    ok = needed.status == Status.OK
+    same = (told == 0) | (np.arange(48) < 6)
+    np.testing.assert_array_equal(finer.maximum[same], needed.maximum[same])
+    np.testing.assert_array_equal(finer.resolution[ok & ~same], told[ok & ~same])
+    coarser = integrate(slow, asked, tolerance=1e-8, first_resolution=np.full(48, 8))
+    for other in (finer, coarser):
+        assert (other.status == needed.status).all()
+        off = np.abs(other.maximum - needed.maximum)[ok]
+        assert (off <= (other.error + needed.error)[ok]).all()
+
+
 def test_resolutions_are_rounded_up() -> None:
     """Never below what is wanted, at most half as much again, and each its own rung."""
     wanted = np.geomspace(4.0, 1e4, 1001)
