@@ -116,7 +116,7 @@ class OutlinedField:
     def __init__(self, field: Field, method: RungeKuttaMethod, writer: Writer, count: int) -> None:
         self._writer = writer
         self._count = count
-        self._zeros_for_absent = [writer.constant(0.0)] * (len(field.state_names) - count)
+        self._first_waveform = 1 + len(field.state_names)  # among the inputs of the rates
         rates = replace(field.rates, output_slots=field.rates.output_slots[:count])
         self._fixed_program, self._moving_program = split_program(rates, field.parameter_names)
         load_size = (1 + len(field.waveform_names)) * len(method.nodes)
@@ -136,11 +136,13 @@ class OutlinedField:
             list(parameters), functions=LaneFunctions(w), constant=w.constant
         )
         self._inputs.part_from(len(self._moving_program.input_names) - len(values)).store(values)
-        self._inputs.part_from(1 + self._count).store(self._zeros_for_absent)
+        absent = [w.constant(0.0)] * (self._first_waveform - 1 - self._count)
+        self._inputs.part_from(1 + self._count).store(absent)
 
     def rates(self, y: Sequence[Lanes], load: Sequence[Lanes]) -> list[Lanes]:
         """The rates under a load, which is the phase and the waveforms."""
-        self._inputs.store([load[0], *y, *self._zeros_for_absent, *load[1:]])
+        self._inputs.store([load[0], *y])
+        self._inputs.part_from(self._first_waveform).store(load[1:])
         self._call(self._rates_function, self._inputs, self._slopes)
         return self._slopes.load(self._count)
 
