@@ -106,6 +106,8 @@ class RungeKuttaStepper:
         return slopes[0], self.method.increment_from_slopes(slopes, h)
 
     def save_past_rates(self, slots: GroupSlots, ends: Mapping[str, StepEnd]) -> None:
+        if not self.history_variables:
+            return
         # The rings hold rates at the beginnings of steps; those at the very end are new.
         for solution, ring in self.ring_of_solution.items():
             end = ends[solution]
