@@ -32,7 +32,7 @@ SLIGHT = st.one_of(st.just(0.0), st.floats(-2e-3, 2e-3), st.sampled_from(EDGES))
 TOLERANCE = st.one_of(st.just(1e-6), st.sampled_from([1e-3, 1e-12, *EDGES]), st.floats())
 #: Nothing may take longer, in seconds.
 CAP = 20.0
-#: But for millions of periods of a load, where a run to its end has so many: 7e-6 s each, or thrice.
+#: But for millions of periods of a load, in a run to its end: 7e-6 s each, or thrice that.
 CAP_OF_A_PERIOD = 2e-5
 
 
