@@ -109,8 +109,10 @@ def force_slope(force: ForceFunction, case: IntArray, x: FloatArray) -> FloatArr
     Returns
     -------
     array (point,)
+        Infinite where it is beyond floats.
     """
-    return np.asarray(np.imag(force(case, x + 1j * _COMPLEX_STEP)) / _COMPLEX_STEP)
+    with np.errstate(over="ignore"):
+        return np.asarray(np.imag(force(case, x + 1j * _COMPLEX_STEP)) / _COMPLEX_STEP)
 
 
 def _values_on_grid(force: ForceFunction, grid: FloatArray) -> FloatArray:

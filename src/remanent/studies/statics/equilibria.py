@@ -162,7 +162,8 @@ def _equilibrium_properties(static: StaticEnsemble, stretch: FloatArray) -> dict
     error = stretch_error(static, case, stretch, force)
     transverse, transverse_error = _transverse_stiffness(static.ensemble, case, stretch, error)
     with np.errstate(invalid="ignore"):
-        frequency = np.sqrt(np.where(stiffness > 0, stiffness, np.nan))
+        known = (stiffness > 0) & np.isfinite(stiffness)
+        frequency = np.sqrt(np.where(known, stiffness, np.nan))
         squared_error = squared_frequency_error(static, case, stretch, error, force)
     return {
         "equilibrium_stretch": static.thickness(case, stretch),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any
 
 import numpy as np
@@ -147,6 +148,19 @@ def test_where_nothing_holds_a_force_there_is_no_eigenvalue_and_no_stability() -
     root = np.sqrt(2.0)
     np.testing.assert_allclose(ds.eigenvalues[1], [[root, -root], [1j * root, -1j * root]])
     assert ds.stability.values.tolist() == [["", ""], ["unstable", "stable"]]
+
+
+def test_a_stiffness_beyond_floats_has_no_frequency_and_no_warning() -> None:
+    """The block rests at a stretch of 1, stable, at 1e308 times its reference temperature."""
+    with pytest.warns(rm.InputWarning, match="below 100 K"):
+        cold = rm.Actuator(reference_temperature=3e-306, material=rm.Gent(0.5, 1.0))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        warnings.simplefilter("ignore", rm.InputWarning)
+        ds = rm.equilibria(cold, 0.0)
+    assert ds.stretch.values.tolist() == [1.0]
+    assert ds.stability.values.tolist() == ["stable"]
+    assert np.isnan(ds.natural_frequency).all()
 
 
 def test_the_error_of_a_zero_is_the_force_that_may_be_left_over_the_least_slope() -> None:
