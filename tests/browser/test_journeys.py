@@ -128,6 +128,10 @@ def test_tables_of_a_load_are_edited(visit: go.Watched) -> None:
             "([place, words]) => document.querySelector(place).textContent.includes(words)",
             arg=[fault, words],
         )
+        # A browser tells late that the table was opened.
+        page.dispatch_event("[data-table=drive]", "toggle")
+        assert words in page.inner_text(fault)
+        assert page.input_value(text) == rows
     before = go.picture(page, "history")
     page.fill(text, "0 0.1\n40 0.3")
     page.click("[data-apply=drive]")

@@ -53,9 +53,12 @@ export function partTable(app, group, factors) {
       : button("Apply", apply, { class: "quiet", "data-apply": group }),
     fault,
   );
+  // The event of opening comes when something may be typed already: only closing forgets it.
   node.addEventListener("toggle", () => {
     opened[node.open ? "add" : "delete"](group);
-    fill();
+    if (!node.open) {
+      fill();
+    }
   });
   fill();
   return node;
