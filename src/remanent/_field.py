@@ -108,6 +108,15 @@ class Program:
                     slots.append(operators[operation](slots[first]))
         return [slots[k] for k in self.output_slots]
 
+    def inputs_behind(self, *outputs: int) -> frozenset[int]:
+        """Numbers of the inputs that outputs, given by number, are computed from."""
+        first = len(self.input_names) + len(self.constants)
+        behind = {self.output_slots[k] for k in outputs}
+        for slot in range(first + len(self.instructions) - 1, first - 1, -1):
+            if slot in behind:
+                behind.update(self.instructions[slot - first][1:])
+        return frozenset(behind & {*range(len(self.input_names))})
+
     @cached_property
     def _function_names(self) -> frozenset[str]:
         """Names of the functions that it calls."""
@@ -222,6 +231,18 @@ class Field:
     def observable_and_rate_names(self) -> tuple[str, str]:
         """Names of the quantity whose extremes are followed, and of its rate."""
         return self.observable_name, f"{self.observable_name}_rate"
+
+    @cached_property
+    def watched_variables(self) -> tuple[int, ...]:
+        """Positions in the state of the variables that enter the formula of this quantity."""
+        behind = self.observable_and_rates.inputs_behind(0)
+        return tuple(k for k in range(len(self.variables)) if k + 1 in behind)
+
+    def is_driven(self, program: Program) -> bool:
+        """Whether the phase or a waveform of the drive enters a program of the field."""
+        first = len(self.input_names) - len(self.waveform_names)
+        behind = program.inputs_behind(*range(len(program.output_slots)))
+        return not behind.isdisjoint({0, *range(first, len(self.input_names))})
 
     @property
     def energy_names(self) -> tuple[str, ...]:

@@ -44,6 +44,18 @@ def test_nothing_moves_at_rest(actuator: rm.Actuator) -> None:
     )
 
 
+@pytest.mark.parametrize(
+    ("name", "variables"),
+    {"one coordinate": ["stretch"], "two coordinates": ["stretch_1", "stretch_2"]}.items(),
+)
+def test_the_thickness_is_computed_from_the_stretches(name: str, variables: list[str]) -> None:
+    """Its rate is computed from their rates too."""
+    field = vector_field_for(ACTUATORS[name], DRIVE)
+    assert [field.state_names[k] for k in field.watched_variables] == variables
+    behind_rate = {field.input_names[k] for k in field.observable_and_rates.inputs_behind(1)}
+    assert behind_rate & {*field.state_names} == {*field.state_names}
+
+
 @every
 def test_every_coordinate_has_its_rate(actuator: rm.Actuator) -> None:
     """The rate of a coordinate is the state variable of that role that belongs to it."""

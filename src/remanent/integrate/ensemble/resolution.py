@@ -15,7 +15,6 @@ from remanent.integrate.ensemble.counts import (
 )
 from remanent.integrate.ensemble.pool import KernelPool, PendingTrajectories
 from remanent.integrate.ensemble.problem import Problem, Request
-from remanent.integrate.ensemble.run import ASYMPTOTIC_ERROR_LIMIT
 from remanent.integrate.kernel.layout import PAST_RATE_COUNT
 from remanent.integrate.kernel.options import Method
 from remanent.integrate.methods.adams import AdamsMethod, adams_method
@@ -48,6 +47,8 @@ _RUN_TO_BEGINNING_RATIO = 8
 #: The finest try of a beginning takes at most so many times the steps of the first; more in
 #: proportion in a long cycle.
 _MAX_REFINEMENT_OF_BEGINNING = 32
+#: Errors of beginnings from here on foretell too little.
+_LARGEST_TELLING_ERROR = 1e-4
 #: A run takes at most so many times the steps per cycle of the last try of its beginning.
 _MAX_FACTOR_FROM_BEGINNING = 3.0
 #: The error of an extreme or a state grows with the time, or with its square: it is taken to
@@ -80,9 +81,9 @@ def choose_method(request: Request, tolerance: float) -> Method:
 def initial_resolution(tolerance: float, method: Method) -> int:
     """Double steps per cycle to begin with: enough for a gentle trajectory.
 
-    With fewer than the least, differences of solutions say little about their errors.
+    With fewer than the least, errors say little about those with other steps.
     """
-    reference, least = (28.0, 12.0) if isinstance(method, AdamsMethod) else (12.0, 6.0)
+    reference, least = (28.0, 24.0) if isinstance(method, AdamsMethod) else (12.0, 6.0)
     growth = (_REFERENCE_TOLERANCE / tolerance) ** (1.0 / method.order)
     return int(round_up_resolution(max(least, reference * growth)))
 
@@ -167,7 +168,7 @@ def estimate_resolutions_from_beginnings(
         lost = np.zeros(problem.duration.shape, dtype=np.bool_)
         for chunk, attempt in pool.run_attempts(beginnings, request, tried):
             i = chunk.indices
-            lost[i] = ~(attempt.largest_error < ASYMPTOTIC_ERROR_LIMIT)
+            lost[i] = ~(attempt.largest_error < _LARGEST_TELLING_ERROR)
             resolution[i] = _resolution_of_run(
                 attempt.largest_error,
                 problem.duration[i] / beginnings.duration[i],
@@ -199,10 +200,10 @@ def _resolution_of_run(
 ) -> IntArray:
     """The resolution of a run, from the error of its beginning and the ratio of their lengths."""
     grown = error * length_ratio**_POWER_OF_TIME_IN_ERROR_GROWTH
-    is_asymptotic = error < ASYMPTOTIC_ERROR_LIMIT
+    is_asymptotic = error < _LARGEST_TELLING_ERROR
     factor = _refinement_factor(grown, tolerance, method.order, is_asymptotic)
     factor = factor.clip(max=_MAX_FACTOR_FROM_BEGINNING)
-    least = initial_resolution(np.inf, method)
+    least = 12 if isinstance(method, AdamsMethod) else 6
     return round_up_resolution(np.maximum(least, factor * resolution))
 
 

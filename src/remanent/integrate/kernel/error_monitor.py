@@ -1,9 +1,10 @@
 """Error control inside a kernel: what the difference of two solutions says about their error.
 
-Two solutions advance in lockstep, one with steps of length h and one with steps of length 2h.
-If the error is proportional to h**p, the solutions differ by 2**p - 1 times the error of the
-fine one.  That difference, compared after every double step, estimates the error of the fine
-solution at that instant, so that a kernel knows the time up to which a tolerance was met.
+Two solutions advance in lockstep.  Runge-Kutta's are one with steps of length h and one with
+steps of length 2h: if the error is proportional to h**p, they differ by 2**p - 1 times the error
+of the fine one.  Adams' second solution is the first with its errors amplified.  The difference,
+compared after every double step, estimates the error of the fine solution at that instant, so
+that a kernel knows the time up to which a tolerance was met.
 """
 
 from __future__ import annotations
@@ -52,12 +53,11 @@ class ErrorMonitor:
         cells: TrajectoryCells,
     ) -> ErrorMonitor:
         """The monitor of a kernel with this method and these options."""
-        scale = options.error_safety_factor / float(2**method.order_assumed_by_error_estimate - 1)
         return cls(
             writer,
             run,
             cells,
-            scale,
+            method.error_per_solution_difference,
             options.absolute_error_count,
             options.estimates_error_per_cycle,
         )

@@ -37,10 +37,13 @@ from remanent.integrate.kernel.lanes import (
     smaller,
 )
 from remanent.integrate.kernel.lockstep import DoubleStepLoads
+from remanent.integrate.kernel.options import Method
 
 #: Newton steps from a secant start, before one more with the same curvature; an extremum
 #: then moves by less than round-off.
 _NEWTON_STEP_COUNT = 2
+#: What is left of the largest difference of two solutions after a double step.
+_FADING = 0.97
 #: Largest value of (s**3 - s)**3 in [-1, 1], to which the error of the polynomial between its
 #: nodes is proportional.  The factor is its next coefficient; the last coefficient, which is
 #: larger where steps resolve the motion, is used in its place.
@@ -80,6 +83,9 @@ class DoubleStep:
         Time of the beginning, tau.
     diverged_flag : Lanes
         1 where the solutions have diverged in the step, else 0.
+    recent_difference : sequence of Lanes
+        What counts, in the error of an extremum, of the differences of the two solutions up to
+        here, for each of the variables in question.
     """
 
     states: StepStates
@@ -88,6 +94,7 @@ class DoubleStep:
     right_load: PhaseAndWaveforms
     start_time: Lanes
     diverged_flag: Lanes
+    recent_difference: Sequence[Lanes]
 
     def vectors(self) -> Iterator[Sequence[Lanes]]:
         """All of it but the scalars, in the order of the attributes."""
@@ -95,7 +102,7 @@ class DoubleStep:
         yield from (y.left, y.middle, y.right)
         if y.coarse_left is not None and y.coarse_right is not None:
             yield from (y.coarse_left, y.coarse_right)
-        yield from (self.left_load, self.middle_load, self.right_load)
+        yield from (self.left_load, self.middle_load, self.right_load, self.recent_difference)
 
 
 @dataclass(frozen=True)
@@ -118,10 +125,12 @@ class KeptStep:
     waiting_flag: Cell
 
     @classmethod
-    def empty(cls, writer: Writer, states: int, columns: int, *, coarse: bool) -> Self:
+    def empty(
+        cls, writer: Writer, states: int, columns: int, watched: int, *, coarse: bool
+    ) -> Self:
         """Cells in which nothing waits."""
         zero = writer.constant(0.0)
-        sizes = [states] * (5 if coarse else 3) + [columns] * 3
+        sizes = [states] * (5 if coarse else 3) + [columns] * 3 + [watched]
         vectors = tuple(VectorCells.with_values(writer, [zero] * size) for size in sizes)
         return cls(vectors, *(writer.new_cell_with(zero) for _ in range(3)))
 
@@ -135,7 +144,7 @@ class KeptStep:
 
     def double_step(self) -> DoubleStep:
         """The double steps that wait."""
-        left, middle, right, *coarse, left_load, middle_load, right_load = (
+        left, middle, right, *coarse, left_load, middle_load, right_load, recent_difference = (
             cells.get() for cells in self.vectors
         )
         coarse_left, coarse_right = coarse or (None, None)
@@ -146,6 +155,7 @@ class KeptStep:
             right_load,
             self.start_time.get(),
             self.diverged_flag.get(),
+            recent_difference,
         )
 
     def is_waiting(self) -> Mask:
@@ -169,6 +179,7 @@ class ExtremeTracker:
         Double steps that wait to be worked out.
     """
 
+    method: Method
     writer: Writer
     field_code: FieldCode
     run_constants: RunConstants
@@ -181,6 +192,7 @@ class ExtremeTracker:
     @classmethod
     def at_call_begin(
         cls,
+        method: Method,
         code: FieldCode,
         run: RunConstants,
         cells: TrajectoryCells,
@@ -191,8 +203,8 @@ class ExtremeTracker:
     ) -> Self:
         """A tracker at the beginning of a call."""
         w = code.writer
-        states = len(code.field.state_names)
-        kept = KeptStep.empty(w, states, loads.column_count, coarse=coarse_solution)
+        states, watched = len(code.field.variables), len(_fading_variables(method, code))
+        kept = KeptStep.empty(w, states, loads.column_count, watched, coarse=coarse_solution)
         state, load = cells.fine.get(), loads.load_at(w.integer_constant(0), 0, 0)
         # The end of the call before is the same instant, but the phase there may be 1 instead
         # of 0, with other last digits: what was seen there is taken up.
@@ -200,7 +212,7 @@ class ExtremeTracker:
         cells.watched_rate_sign.set(
             (abs(saved) <= math.inf).select(saved, code.watched_rate_sign(state, load))
         )
-        return cls(w, code, run, cells, loads, monitor, kept, coarse_solution)
+        return cls(method, w, code, run, cells, loads, monitor, kept, coarse_solution)
 
     def any_lane_near_tracking_limit(self, time: Lanes) -> ir.Value:
         """Whether one of the group begins or ends to be followed within two cycles of a time.
@@ -247,6 +259,7 @@ class ExtremeTracker:
             # Noted once: resolving it puts the error above the ceiling.
             diverged = self.error_monitor.has_diverged(states.right, states.coarse_right)
             diverged = diverged & self.error_monitor.is_below_ceiling()
+            self._update_fading_difference(states.right, states.coarse_right)
         b, run = self.writer.builder, self.run_constants
         with b.if_then(b.or_((turned | diverged).any_lane(), near_an_end), likely=False):
             t0 = start_time()
@@ -258,7 +271,9 @@ class ExtremeTracker:
             zero, one = self.writer.constant(0.0), self.writer.constant(1.0)
             flag = diverged.select(one, zero)
             left_load = self.fine_loads.load_at(double_step, 0, 0)
-            step = DoubleStep(states, left_load, middle_load, right_load, t0, flag)
+            share = self.method.recent_share_at_extremes
+            recent = [cell.get() * share for _, cell in self._fading_cells()]
+            step = DoubleStep(states, left_load, middle_load, right_load, t0, flag, recent)
             # The place for it may hold an earlier double step of the same trajectory.
             with b.if_then((event & self.kept_step.is_waiting()).any_lane(), likely=False):
                 self.resolve_kept_step()
@@ -278,8 +293,10 @@ class ExtremeTracker:
         if y.coarse_left is not None and y.coarse_right is not None:
             at_left = self._observable_difference(left, y.coarse_left, step.left_load)
             at_right = self._observable_difference(right, y.coarse_right, step.right_load)
+            difference = larger_or_nan(at_left, at_right)
+            difference = difference + self._recent_observable_difference(right, step)
             error = (
-                larger_or_nan(at_left, at_right) * self.error_monitor.error_per_solution_difference
+                difference * self.error_monitor.error_per_solution_difference
                 + abs(polynomial[-1]) * _INTERPOLATION_ERROR_FACTOR
             )
             error = diverged.select(self.writer.constant(math.inf), error)
@@ -291,15 +308,37 @@ class ExtremeTracker:
     def _observable_difference(
         self, fine: TimeDerivatives, coarse: Sequence[Lanes], load: PhaseAndWaveforms
     ) -> Lanes:
-        """How much the observable of two solutions may differ within h of a known place.
+        """How much the observable of two solutions may differ near a known place.
 
         The first two terms of its Taylor series: an extremum is compared at the ends of the
-        double step, not where it is.
+        double step, not where it is, and the error of its value may pass through zero there.
         """
         rough = self.field_code.watched_derivatives(coarse, load)
         value: Lanes = abs(fine.value - rough.value)
         rate: Lanes = abs(fine.rate - rough.rate)
-        return value + self.run_constants.fine_step_length * rate
+        return value + self.run_constants.fine_step_length * (
+            rate * self.method.rate_steps_at_extremes
+        )
+
+    def _fading_cells(self) -> list[tuple[int, Cell]]:
+        """Of the variables whose recent differences count, with their numbers."""
+        cells = self.trajectory_cells.fading_difference.cells
+        return [(k, cells[k]) for k in _fading_variables(self.method, self.field_code)]
+
+    def _update_fading_difference(self, fine: Sequence[Lanes], coarse: Sequence[Lanes]) -> None:
+        """Take the difference of the solutions after a double step into account."""
+        for k, cell in self._fading_cells():
+            cell.set(larger(cell.get() * _FADING, abs(fine[k] - coarse[k])))
+
+    def _recent_observable_difference(self, at_end: TimeDerivatives, step: DoubleStep) -> Lanes:
+        """By how much the observable varies with what counts of recent differences."""
+        state, total = step.states.right, self.writer.constant(0.0)
+        for (k, _), difference in zip(self._fading_cells(), step.recent_difference, strict=True):
+            moved = list(state)
+            moved[k] = state[k] + difference
+            there = self.field_code.watched_derivatives(moved, step.right_load)
+            total = total + abs(there.value - at_end.value)
+        return total
 
     def _update_extremes(
         self, where: Mask, t0: Lanes, nodes: Sequence[TimeDerivatives], polynomial: list[Any]
@@ -348,6 +387,11 @@ class ExtremeTracker:
         ):
             extreme.set_where(which, value)
             when.set_where(which, time)
+
+
+def _fading_variables(method: Method, code: FieldCode) -> tuple[int, ...]:
+    """Numbers of the variables whose recent differences count in the error of an extremum."""
+    return code.field.watched_variables if method.recent_share_at_extremes > 0.0 else ()
 
 
 def _turning_point(

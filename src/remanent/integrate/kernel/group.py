@@ -149,6 +149,7 @@ class TrajectoryCells:
     compensation: VectorCells
     coarse: VectorCells
     at_horizon: VectorCells
+    fading_difference: VectorCells
     within_tolerance: Cell
     horizon: Cell
     error_to_horizon: Cell
@@ -174,6 +175,7 @@ class TrajectoryCells:
             compensation=vector("compensation"),
             coarse=vector("coarse"),
             at_horizon=vector("at_horizon"),
+            fading_difference=vector("fading_difference"),
             within_tolerance=cell("within_tolerance"),
             horizon=cell("horizon"),
             error_to_horizon=cell("error_to_horizon"),

@@ -1,10 +1,9 @@
 """A field and a method become one function over groups of trajectories.
 
-The kernel advances two solutions in lockstep, one with steps of length h and one
-with steps of length 2h.  Their difference after each double step, divided by
-2**(counted order) - 1 and multiplied by a safety factor, estimates the error of the finer
-one at that instant, so the bound costs half as much as the solution, needs no
-memory, and gives the time up to which the tolerance was met.
+The kernel advances two solutions in lockstep, of which the second has larger errors.  Their
+difference after each double step estimates the error of the first at that instant, so the
+bound costs half as much as the solution, needs no memory, and gives the time up to which the
+tolerance was met.
 
 Its parts are written by objects of their own: the field by
 :class:`~.field_code.FieldCode`, the steps by :class:`~.lockstep.Lockstep`, error control by
@@ -181,7 +180,7 @@ class GroupKernel:
         if options.follows_extremes:
             with_coarse = options.has_coarse_solution
             tracker = ExtremeTracker.at_call_begin(
-                code, run, cells, fine, monitor, coarse_solution=with_coarse
+                method, code, run, cells, fine, monitor, coarse_solution=with_coarse
             )
         return cls(
             options,
@@ -244,7 +243,7 @@ class GroupKernel:
         right = self.lockstep.fine_step(loads.second, moving)
         states = StepStates(left, middle, right, None, None)
         if self.options.has_coarse_solution:
-            coarse_right = self.lockstep.coarse_step(loads.coarse, moving)
+            coarse_right = self.lockstep.coarse_step((left, right), loads.coarse, moving)
             states = StepStates(left, middle, right, coarse_left, coarse_right)
 
         def start_time() -> Lanes:

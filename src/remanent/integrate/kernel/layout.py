@@ -7,11 +7,13 @@ from functools import cached_property
 
 #: States that a kernel keeps for every trajectory: the fine solution, the compensation of its
 #: rounding (Kahan), the coarse solution, and the fine one at the horizon.
-STATE_VECTOR_NAMES = ("fine", "compensation", "coarse", "at_horizon")
-#: The two solutions: with steps of length h and of length 2h.
+STATE_VECTOR_NAMES = ("fine", "compensation", "coarse", "at_horizon", "fading_difference")
+#: The two solutions: the one that is returned, and one with larger errors.
 SOLUTION_NAMES = ("fine", "coarse")
-#: Past rates that are kept of each solution.
+#: Past rates that are kept of the fine solution.
 PAST_RATE_COUNT = 8
+#: Past differences of the rates of the two solutions that are kept, one for each double step.
+PAST_DIFFERENCE_COUNT = 4
 #: Scalars of a trajectory that a kernel reads and leaves as they are.
 CONSTANT_SCALAR_NAMES = (
     "fine_step_length",  # length of a fine step, tau
@@ -40,9 +42,19 @@ CHANGING_SCALAR_NAMES = (
 SCALAR_NAMES = (*CONSTANT_SCALAR_NAMES, *CHANGING_SCALAR_NAMES)
 
 
-def past_rate_name(solution: str, age: int, variable: int) -> str:
-    """Name of the slot of a past rate; age 0 is the newest."""
-    return f"{solution}_past.{age}.{variable}"
+def past_rate_name(age: int, variable: int) -> str:
+    """Name of the slot of a past rate of the fine solution; age 0 is the newest."""
+    return f"past_rate.{age}.{variable}"
+
+
+def past_difference_name(age: int, variable: int) -> str:
+    """Name of the slot of a past difference of the rates of the two solutions."""
+    return f"past_difference.{age}.{variable}"
+
+
+def backward_difference_name(age: int, variable: int) -> str:
+    """Name of the slot of a backward difference of a rate and as many past ones as are kept."""
+    return f"backward_difference.{age}.{variable}"
 
 
 @dataclass(frozen=True)
@@ -65,12 +77,10 @@ class SlotLayout:
     def slot_of_name(self) -> dict[str, int]:
         """The slot of every number, by its name."""
         names = [f"{kind}.{i}" for kind in STATE_VECTOR_NAMES for i in range(self.state_count)]
-        names += [
-            past_rate_name(solution, age, i)
-            for solution in SOLUTION_NAMES
-            for age in range(PAST_RATE_COUNT)
-            for i in self.history_variables
-        ]
+        for i in self.history_variables:
+            names += [past_rate_name(age, i) for age in range(PAST_RATE_COUNT)]
+            names += [past_difference_name(age, i) for age in range(PAST_DIFFERENCE_COUNT)]
+            names += [backward_difference_name(age, i) for age in range(2)]
         names += [f"parameter.{i}" for i in range(self.parameter_count)]
         return {name: k for k, name in enumerate((*names, *SCALAR_NAMES))}
 

@@ -26,7 +26,7 @@ class DoubleStepLoads:
 
 @dataclass(frozen=True)
 class Lockstep:
-    """The fine solution, with steps of length h, and the coarse one, with steps of 2h.
+    """The fine solution, which is returned, and the coarse one, whose errors are larger.
 
     Attributes
     ----------
@@ -119,25 +119,24 @@ class Lockstep:
 
         return self.stepper.advance("fine", y, self.fine_step_length, loads, update)
 
-    def coarse_step(self, loads: LoadAtNode, moving: Mask | None = None) -> list[Lanes]:
-        """A step of 2h, rounded to fewer digits.
+    def coarse_step(
+        self,
+        fine: tuple[Sequence[Lanes], Sequence[Lanes]],
+        loads: LoadAtNode,
+        moving: Mask | None = None,
+    ) -> list[Lanes]:
+        """A double step of the coarse solution, rounded to fewer digits.
 
         Errors of rounding grow along the motion like any other.  Those of the coarse
         solution are made as much larger as its truncation error is, so that their
         share in the difference of the solutions is what the fine one makes.
         """
         y = self.coarse_state()
-
-        def update(change: list[Lanes]) -> list[Lanes]:
-            bits = self.method.coarse_solution_lost_bits
-            moved = [_without_last_bits(a + b, bits) for a, b in zip(y, change, strict=True)]
-            moved = _moved(moving, moved, y)
-            self.trajectory_cells.coarse.set(moved)
-            return moved
-
-        return self.stepper.advance(
-            "coarse", y, self.fine_step_length + self.fine_step_length, loads, update
-        )
+        bits = self.method.coarse_solution_lost_bits
+        after = self.stepper.advance_coarse(y, fine, self.fine_step_length, loads)
+        moved = _moved(moving, [_without_last_bits(x, bits) for x in after], y)
+        self.trajectory_cells.coarse.set(moved)
+        return moved
 
     def write_to_slots(self, slots: GroupSlots, double_steps: ir.Value) -> None:
         """Write back both solutions, and the past rates at their ends."""

@@ -25,8 +25,6 @@ class KernelOptions:
     follows_extremes : bool
         Follow the extremes of the watched observable, and control their error; else
         control the error of the state.
-    error_safety_factor : float
-        Factor between the estimate from two step sizes and the error reported.
     has_coarse_solution : bool
         Advance the coarse solution too.  Without it no error is estimated.
     estimates_error_per_cycle : bool
@@ -49,7 +47,6 @@ class KernelOptions:
     """
 
     follows_extremes: bool = False
-    error_safety_factor: float = 4.0
     has_coarse_solution: bool = True
     estimates_error_per_cycle: bool = False
     absolute_error_count: int | None = None

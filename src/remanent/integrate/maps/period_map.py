@@ -258,9 +258,6 @@ class PeriodMap:
             with_tangents if self.column_count else field, method, options
         )
         self.order = method.order
-        self._error_per_solution_difference = options.error_safety_factor / float(
-            2**method.order_assumed_by_error_estimate - 1
-        )
         self._cycle_tables = cycle_tables(waveform, phase)
         self._resolution_ladder = resolution_ladder
         self._is_threaded = is_threaded
@@ -327,7 +324,7 @@ class PeriodMap:
             self._advance(memory, lanes, course, path)
             ends[lanes.points] = fine = memory.state_vectors("fine")
             difference = fine - memory.state_vectors("coarse")
-            last_error[lanes.points] = self._error_per_solution_difference * difference
+            last_error[lanes.points] = self.kernel.method.error_per_solution_difference * difference
             error[lanes.points] = memory.column("largest_error")
             halved = pending[error[pending] < 0.5 * halved_error[pending]]
             halved_error[halved], halved_level[halved] = error[halved], levels[halved]

@@ -14,6 +14,8 @@ from typing import Any
 
 #: ``rates(stage_node, state)`` with `stage_node` an index into ``nodes``.
 RatesAtNode = Callable[[int, list[Any]], list[Any]]
+#: Factor between the error that two solutions show and the one reported.
+_SAFETY_FACTOR = 4.0
 
 
 @dataclass(frozen=True)
@@ -78,6 +80,21 @@ class RungeKuttaMethod:
         of two 99.97 %.
         """
         return self.order - 2
+
+    @property
+    def error_per_solution_difference(self) -> float:
+        """Error that is reported, over the difference of solutions with steps h and 2h."""
+        return _SAFETY_FACTOR / (2.0**self.order_assumed_by_error_estimate - 1.0)
+
+    @property
+    def rate_steps_at_extremes(self) -> float:
+        """Steps by which a difference of rates counts in the error of an extremum."""
+        return 1.0
+
+    @property
+    def recent_share_at_extremes(self) -> float:
+        """Share of recent differences of two solutions in the error of an extremum: none."""
+        return 0.0
 
     @property
     def has_compensated_sum(self) -> bool:

@@ -26,7 +26,6 @@ from remanent.analysis.regimes.orbit_exponents import (
 )
 from remanent.integrate.ensemble.problem import Problem
 from remanent.integrate.ensemble.resolution import round_up_resolution
-from remanent.integrate.kernel.options import KernelOptions
 from remanent.integrate.maps.advance import BlockAdvancer, CoarseReplay
 from remanent.integrate.maps.period_map import ErrorControl, PeriodMap
 from remanent.integrate.methods.runge_kutta import default_method
@@ -43,9 +42,7 @@ LIMIT_ORBIT_TOLERANCE = 1e-9
 #: Double steps per period of the coarser of two maps, at least.
 MIN_COARSE_RESOLUTION = 4
 #: Error of what a map gives over its difference from that of steps twice as long.
-ERROR_PER_DIFFERENCE = KernelOptions().error_safety_factor / (
-    2.0 ** default_method().order_assumed_by_error_estimate - 1.0
-)
+ERROR_PER_DIFFERENCE = default_method().error_per_solution_difference
 #: Why a run of its full length has no exponent.
 _STRONG_CONTRACTION_REASON = (
     "no exponent: differences shrink within one period to less than numbers can hold"

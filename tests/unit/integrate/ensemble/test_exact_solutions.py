@@ -189,6 +189,23 @@ def test_extremes_between_steps_are_those_of_the_solution() -> None:
     assert (outcome.error <= 1e-10).all()
 
 
+@pytest.mark.parametrize("tolerance", [1e-7, 1e-8, 1e-9])
+def test_errors_of_extremes_are_known_to_a_small_factor(tolerance: float) -> None:
+    """Of forced lines, stiff and soft: at most six times the true error in most, never below it.
+
+    The extremes of the other method, at a much smaller tolerance, stand for the true ones.
+    """
+    count, rng = 48, np.random.default_rng(3)
+    parameters = {"k": rng.uniform(1.0, 30.0, count), "g": rng.uniform(0.0, 0.4, count)}
+    start = rng.uniform(-1.0, 1.0, (count, 2))
+    asked = problem(LINEAR, start, np.full(count, 40.0), period=2.7, **parameters)
+    window = Request(wants_extremes=True, extremes_begin=np.full(count, 20.0))
+    outcome, exact = (integrate(asked, window, tolerance=t) for t in (tolerance, 1e-13))
+    true = np.maximum(abs(outcome.maximum - exact.maximum), abs(outcome.minimum - exact.minimum))
+    assert (outcome.error >= true).all()
+    assert np.median(outcome.error / true) <= 6.0
+
+
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-11])
 def test_extremes_count_from_the_start(tolerance: float) -> None:
     """Of A cn(w t) over less than a quarter of a turn: A at once, and the least at the end."""

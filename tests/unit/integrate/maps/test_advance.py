@@ -285,10 +285,8 @@ def test_the_coarse_solution_is_rounded_to_as_many_digits_less_as_its_method_say
         tolerance=np.inf, resolution=8,
     )  # fmt: skip
     method = flow.kernel.method
-    safety = flow.kernel.options.error_safety_factor
-    error_per_difference = safety / (2.0**method.order_assumed_by_error_estimate - 1.0)
     assert image.last_state_error is not None
     np.testing.assert_array_equal(image.state[:, 0], rest)
-    difference = np.abs(image.last_state_error[:, 0]) / error_per_difference
+    difference = np.abs(image.last_state_error[:, 0]) / method.error_per_solution_difference
     half_unit = 0.5 * 2.0**method.coarse_solution_lost_bits * np.finfo(float).eps
     assert 0.9 * half_unit < difference.max() <= half_unit * (1.0 + 1e-9)

@@ -42,6 +42,28 @@ def test_the_next_terms_are_integrals_of_newtons_polynomial() -> None:
     assert adams_method(8).double_integral_correction == pytest.approx(float(double), rel=1e-14)
 
 
+def test_the_error_is_that_of_the_moulton_formula() -> None:
+    """With the new rate the next weights are those of Adams and Moulton: -1/12, -1/24, -19/720.
+
+    The integrals of (s - 1) s (s + 1) ... (s + 7)/9! and of the next polynomial over a step.
+
+    Law: Order of the methods.
+    """
+    method = adams_method(8)
+    for k, count in enumerate((9, 10)):
+
+        def newton(s: Any, count: int = count) -> Any:
+            return mpmath.rf(s - 1, count) / mpmath.factorial(count)
+
+        single = mpmath.quad(newton, [0, 1])
+        double = mpmath.quad(lambda s, newton=newton: (1 - s) * newton(s), [0, 1])
+        assert method.single_integral_errors[k] == pytest.approx(float(single), rel=1e-13)
+        assert method.double_integral_errors[k] == pytest.approx(float(double), rel=1e-13)
+    assert adams_method(1).single_integral_errors[0] == pytest.approx(-1 / 12, rel=1e-15)
+    assert adams_method(2).single_integral_errors[0] == pytest.approx(-1 / 24, rel=1e-15)
+    assert adams_method(3).single_integral_errors[0] == pytest.approx(-19 / 720, rel=1e-15)
+
+
 def adams_march(steps: int) -> Any:
     """Error of the limit cycle after 2 units of time, in fifty digits, from exact past rates.
 
