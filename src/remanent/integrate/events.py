@@ -155,7 +155,7 @@ class _CrossingFinder:
     def for_observable(cls, problem: Problem, name: str, value: float, tolerance: float) -> Self:
         """A finder for one observable."""
         program = observable_derivatives(problem.field, name, problem.field.state_names)
-        driven = bool(_depends_on_drive(program, problem.field))
+        driven = problem.field.is_driven(program)
         waveform = problem.load_schedule.waveforms_at_phase
         return cls(problem.field, waveform, program, driven, value, tolerance)
 
@@ -429,17 +429,6 @@ class _WindowSteps:
             beyond = np.abs(level[passes_twice])
             parts.append(steps.locate_passages(part, np.ones(part.size), beyond))
         return parts
-
-
-def _depends_on_drive(program: Program, field: Field) -> BoolArray | bool:
-    """Whether the phase or a waveform enters."""
-    first = len(field.input_names) - len(field.waveform_names)
-    driven = {0, *range(first, len(field.input_names))}
-    base = len(program.input_names) + len(program.constants)
-    for k, (_, *operands) in enumerate(program.instructions):
-        if driven.intersection(operands):
-            driven.add(base + k)
-    return bool(driven.intersection(program.output_slots))
 
 
 def _positive(lengths: FloatArray) -> FloatArray:

@@ -9,12 +9,12 @@ motion can exceed that of the steps by orders of magnitude.)
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
 
 import numpy as np
 
 from remanent._field import Field
 from remanent._typing import FloatArray
+from remanent.integrate.kernel.compile import compiled_partial_steps
 from remanent.integrate.methods.runge_kutta import RungeKuttaMethod
 
 
@@ -29,7 +29,7 @@ def partial_step(
     span: FloatArray,
     time: FloatArray,
 ) -> FloatArray:
-    """The states within a step, by one shorter step for each, with NumPy.
+    """The states within a step, by one shorter step for each.
 
     Parameters
     ----------
@@ -52,13 +52,7 @@ def partial_step(
     -------
     array (sample, state)
     """
-    phases = [phase + float(node) * span for node in method.nodes]
-    loads = [list(waveform(s)) for s in phases]
-
-    def rates(node: int, y: list[Any]) -> list[Any]:
-        inputs = [phases[node], *y, *parameters, *loads[node]]
-        return field.rates(inputs, functions=np)
-
-    with np.errstate(all="ignore"):
-        moved = np.stack(method.step(rates, list(states.T), time), axis=1)
+    phases = (phase + float(node) * span for node in method.nodes)
+    loads = [np.concatenate([s[None], waveform(s)]) for s in phases]
+    moved = compiled_partial_steps(field, method)(time, loads, states, parameters)
     return np.where((time == 0.0)[:, None], states, moved)

@@ -7,12 +7,13 @@ import hashlib
 import math
 import os
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
 import llvmlite
+import numpy as np
 from llvmlite import binding
 
 from remanent import _cache
@@ -22,8 +23,14 @@ from remanent._typing import FloatArray
 from remanent.integrate.kernel.kernel import KERNEL_FUNCTION_NAME, kernel_source
 from remanent.integrate.kernel.layout import SlotLayout
 from remanent.integrate.kernel.options import KernelOptions, Method, build_slot_layout
+from remanent.integrate.kernel.partial_steps import (
+    PARTIAL_STEPS_FUNCTION_NAME,
+    partial_steps_source,
+)
+from remanent.integrate.methods.runge_kutta import RungeKuttaMethod
 
 _C_SIGNATURE = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 4, *[ctypes.c_int64] * 6)
+_C_SIGNATURE_OF_PARTIAL_STEPS = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 2, ctypes.c_int64)
 #: Held while LLVM works, and while the process forks: a child that was forked in the middle of
 #: a compilation would wait for ever for a thread that it does not have.
 _COMPILE_LOCK = threading.RLock()
@@ -143,6 +150,51 @@ class Kernel:
 
 
 @dataclass(frozen=True)
+class PartialSteps:
+    """Machine code for single steps of one field, each of a state, load and length of its own."""
+
+    field: Field
+    method: RungeKuttaMethod
+    lane_count: int
+    _machine_function: Callable[..., None]
+    _execution_engine: Any
+
+    def __call__(
+        self,
+        h: FloatArray,
+        loads: Sequence[FloatArray],
+        states: FloatArray,
+        parameters: Sequence[FloatArray],
+    ) -> FloatArray:
+        """The states after one step each, without the GIL.
+
+        Parameters
+        ----------
+        h : array (step,)
+            Lengths of the steps, tau.
+        loads : sequence (node,) of array (1 + waveform, step)
+            Phase and waveforms at the nodes of the method.
+        states : array (step, state)
+            To start from.
+        parameters : sequence of array (step,)
+            In the order of ``field.parameter_names``.
+
+        Returns
+        -------
+        array (step, state)
+        """
+        numbers = [h, *(row for load in loads for row in load), *states.T, *parameters]
+        groups = -(-h.size // self.lane_count)
+        starts = np.zeros((len(numbers), groups * self.lane_count))
+        for row, values in zip(starts, numbers, strict=True):
+            row[: h.size] = values
+        ends = np.empty((states.shape[1], groups * self.lane_count))
+        addresses = (a.__array_interface__["data"][0] for a in (starts, ends))
+        self._machine_function(*addresses, groups)
+        return ends[:, : h.size].T
+
+
+@dataclass(frozen=True)
 class KernelPair:
     """Two kernels that work on the same trajectories, one after the other.
 
@@ -227,11 +279,38 @@ def _cached_kernel(
     key: _FieldByFingerprint, _name: str, method: _MethodByName, options: KernelOptions
 ) -> Kernel:
     target = host_processor()
-    call, engine = _load_object_code(
-        _kernel_object_code(key.field, method.method, options, target), target
+    code = _object_code(
+        _kernel_cache_key(key.field, method.method, options, target),
+        lambda: target.kernel_source(key.field, method.method, options),
+        target,
     )
-    layout = build_slot_layout(key.field, options)
+    address, engine = _load_object_code(code, KERNEL_FUNCTION_NAME, target)
+    layout, call = build_slot_layout(key.field, options), _C_SIGNATURE(address)
     return Kernel(key.field, method.method, options, target.lane_count, layout, call, engine)
+
+
+def compiled_partial_steps(field: Field, method: RungeKuttaMethod) -> PartialSteps:
+    """The partial steps of a field, from memory, from disk, or compiled now."""
+    with _COMPILE_LOCK:
+        return _cached_partial_steps(_FieldByFingerprint(field), method.name, _MethodByName(method))
+
+
+@cache
+def _cached_partial_steps(
+    key: _FieldByFingerprint, _name: str, by_name: _MethodByName
+) -> PartialSteps:
+    target, field, method = host_processor(), key.field, by_name.method
+    assert isinstance(method, RungeKuttaMethod)
+    code = _object_code(
+        _kernel_cache_key(field, method, PARTIAL_STEPS_FUNCTION_NAME, target),
+        lambda: partial_steps_source(
+            field, method, target.lane_count, estimates=target.has_reciprocal_estimates
+        ),
+        target,
+    )
+    address, engine = _load_object_code(code, PARTIAL_STEPS_FUNCTION_NAME, target)
+    call = _C_SIGNATURE_OF_PARTIAL_STEPS(address)
+    return PartialSteps(field, method, target.lane_count, call, engine)
 
 
 class _FieldByFingerprint:
@@ -263,14 +342,12 @@ class _MethodByName:
         return isinstance(other, _MethodByName) and self.method.name == other.method.name
 
 
-def _kernel_object_code(
-    field: Field, method: Method, options: KernelOptions, target: TargetProcessor
-) -> bytes:
-    key = _kernel_cache_key(field, method, options, target)
+def _object_code(key: str, source: Callable[[], str], target: TargetProcessor) -> bytes:
+    """What is stored under a key, or made from a source now."""
     stored = _cache.load_bytes("kernel", key)
     if stored is not None:
         return stored
-    code = _compile_source(target.kernel_source(field, method, options), target)
+    code = _compile_source(source(), target)
     _cache.store_bytes("kernel", key, code)
     return code
 
@@ -287,18 +364,20 @@ def _compile_source(source: str, target: TargetProcessor) -> bytes:
     return bytes(machine.emit_object(module))
 
 
-def _load_object_code(code: bytes, target: TargetProcessor) -> tuple[Callable[..., None], Any]:
+def _load_object_code(code: bytes, name: str, target: TargetProcessor) -> tuple[int, Any]:
+    """The address of a function, which is good as long as the engine lives."""
     engine = binding.create_mcjit_compiler(
         binding.parse_assembly(""), target.create_target_machine()
     )
     engine.add_object_file(binding.ObjectFileRef.from_data(code))
     engine.finalize_object()
-    return _C_SIGNATURE(engine.get_function_address(KERNEL_FUNCTION_NAME)), engine
+    return engine.get_function_address(name), engine
 
 
 def _kernel_cache_key(
-    field: Field, method: Method, options: KernelOptions, target: TargetProcessor
+    field: Field, method: Method, options: KernelOptions | str, target: TargetProcessor
 ) -> str:
+    """Of a kernel with these options, or of another function of this name."""
     parts = (
         field.fingerprint,
         method.name,

@@ -75,22 +75,23 @@ def _evaluated_blocks(
 
     The numbers of a block stay near the processor, however large the histories are.
     """
-    phase, piece = phase_and_piece_index(problem.load_schedule, times)
+    field, schedule = problem.field, problem.load_schedule
+    is_driven = field.is_driven(program)
+    if is_driven or schedule.piece_parameters:
+        phase, piece = phase_and_piece_index(schedule, times)
     rows_at_once = max(_NUMBERS_AT_ONCE // max(times.shape[1], 1), 1)
     for first in range(0, len(times), rows_at_once):
         rows = slice(first, first + rows_at_once)
         numbers = np.arange(len(times))[rows, None]
         columns = []
-        for k, parameter in enumerate(problem.field.parameter_names):
-            by_piece = problem.load_schedule.piece_parameters.get(parameter)
+        for k, parameter in enumerate(field.parameter_names):
+            by_piece = schedule.piece_parameters.get(parameter)
             own = problem.parameters[rows, k][:, None]
             columns.append(own if by_piece is None else by_piece[piece[rows], numbers])
-        inputs = [
-            phase[rows],
-            *np.moveaxis(states[rows], 2, 0),
-            *columns,
-            *problem.load_schedule.waveforms_at_phase(phase[rows]),
-        ]
+        load: list[Any] = [0.0] * (1 + len(field.waveform_names))
+        if is_driven:
+            load = [phase[rows], *schedule.waveforms_at_phase(phase[rows])]
+        inputs = [load[0], *np.moveaxis(states[rows], 2, 0), *columns, *load[1:]]
         with np.errstate(all="ignore"):
             outputs = list(program(inputs, functions=np))
         yield rows, outputs
