@@ -64,7 +64,7 @@ Steps taken over those of an oracle, which knows of every motion the least resol
 its true error meets the tolerance. *Resolution*: how much finer the steps of the last run were;
 *runs*: time of all runs over that of those that were kept, pilots and attempts that missed the
 tolerance included; *lanes*: steps of whole groups over those of their motions; *companion*: the
-second solution, with steps twice as long, that tells the error. The last column is the median of
+second solution, which tells the error. The last column is the median of
 the stated bound over the true error. On one core; extremes but where states are named.
 """
 _BRANCH = """\

@@ -32,7 +32,7 @@ from remanent.integrate.ensemble.problem import Outcome, Problem, Request
 from remanent.integrate.ensemble.resolution import FINE_RESOLUTION_LADDER
 from remanent.integrate.ensemble.run import Attempt, Chunk, Run
 
-#: A second solution with steps twice as long.
+#: Of a second solution, with steps twice as long or with amplified errors.
 _COMPANION = 1.5
 #: The reference solution has this share of the tolerance.
 _REFERENCE_SHARE = 1e-4
