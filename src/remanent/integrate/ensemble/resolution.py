@@ -51,6 +51,8 @@ _MAX_REFINEMENT_OF_BEGINNING = 32
 _LARGEST_TELLING_ERROR = 1e-4
 #: A run takes at most so many times the steps per cycle of the last try of its beginning.
 _MAX_FACTOR_FROM_BEGINNING = 3.0
+#: Least double steps per cycle of a run that was begun, by Adams and by Runge-Kutta.
+_LEAST_OF_RUN_BY_ADAMS, _LEAST_OF_RUN = 12, 6
 #: The error of an extreme or a state grows with the time, or with its square: it is taken to
 #: grow with this power.
 _POWER_OF_TIME_IN_ERROR_GROWTH = 1.5
@@ -203,7 +205,7 @@ def _resolution_of_run(
     is_asymptotic = error < _LARGEST_TELLING_ERROR
     factor = _refinement_factor(grown, tolerance, method.order, is_asymptotic)
     factor = factor.clip(max=_MAX_FACTOR_FROM_BEGINNING)
-    least = 12 if isinstance(method, AdamsMethod) else 6
+    least = _LEAST_OF_RUN_BY_ADAMS if isinstance(method, AdamsMethod) else _LEAST_OF_RUN
     return round_up_resolution(np.maximum(least, factor * resolution))
 
 

@@ -23,7 +23,7 @@ from remanent.integrate.kernel.error_monitor import ErrorMonitor
 from remanent.integrate.kernel.extreme_tracker import ExtremeTracker, StepStates
 from remanent.integrate.kernel.field_code import FieldCode, LoadTable, build_outlined_fields
 from remanent.integrate.kernel.group import Cycle, GroupSlots, RunConstants, TrajectoryCells
-from remanent.integrate.kernel.lanes import DOUBLE_TYPE, INTEGER_TYPE, Lanes, Writer
+from remanent.integrate.kernel.lanes import Lanes, Writer, begin_function
 from remanent.integrate.kernel.lockstep import Lockstep
 from remanent.integrate.kernel.options import KernelOptions, Method, build_slot_layout
 from remanent.integrate.kernel.own_steps import OwnClocks, OwnSteps, own_steps_of_group
@@ -89,19 +89,10 @@ def kernel_source(
     estimates : bool
         The code is for a processor that estimates reciprocals of eight numbers at once.
     """
-    module = ir.Module(name="remanent")
-    pointer = DOUBLE_TYPE.as_pointer()
-    signature = ir.FunctionType(ir.VoidType(), [pointer] * 4 + [INTEGER_TYPE] * 6)
-    function = ir.Function(module, signature, KERNEL_FUNCTION_NAME)
-    # Cells are allocated in a block of their own, which is run once.
-    builder = ir.IRBuilder(function.append_basic_block("entry"))
-    begin = function.append_basic_block("begin")
-    builder.branch(begin)
-    builder.position_at_end(begin)
-    writer = Writer(builder, lane_count, estimates)
-    _write_group_loop(field, method, options, writer, KernelArguments(*function.args))
-    builder.ret_void()
-    return str(module)
+    writer, arguments = begin_function(KERNEL_FUNCTION_NAME, 4, 6, lane_count, estimates=estimates)
+    _write_group_loop(field, method, options, writer, KernelArguments(*arguments))
+    writer.builder.ret_void()
+    return str(writer.builder.module)
 
 
 def _write_group_loop(

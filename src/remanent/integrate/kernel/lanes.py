@@ -216,6 +216,22 @@ class Cell:
         self.set(where.select(value, self.get()))
 
 
+def begin_function(
+    name: str, pointers: int, integers: int, lane_count: int, *, estimates: bool
+) -> tuple[Writer, Sequence[ir.Value]]:
+    """A module with a function of pointers to doubles and then integers: its writer and arguments.
+
+    Cells are allocated in a block of their own, which is run once.
+    """
+    types = [DOUBLE_TYPE.as_pointer()] * pointers + [INTEGER_TYPE] * integers
+    function = ir.Function(ir.Module(name="remanent"), ir.FunctionType(ir.VoidType(), types), name)
+    builder = ir.IRBuilder(function.append_basic_block("entry"))
+    begin = function.append_basic_block("begin")
+    builder.branch(begin)
+    builder.position_at_end(begin)
+    return Writer(builder, lane_count, estimates), function.args
+
+
 @dataclass(frozen=True)
 class Lanes:
     """One double per trajectory of a group."""

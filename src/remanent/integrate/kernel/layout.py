@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 #: States that a kernel keeps for every trajectory: the fine solution, the compensation of its
-#: rounding (Kahan), the coarse solution, and the fine one at the horizon.
+#: rounding (Kahan), the coarse solution, the fine one at the horizon, and the largest recent
+#: difference of the two solutions.
 STATE_VECTOR_NAMES = ("fine", "compensation", "coarse", "at_horizon", "fading_difference")
 #: The two solutions: the one that is returned, and one with larger errors.
 SOLUTION_NAMES = ("fine", "coarse")

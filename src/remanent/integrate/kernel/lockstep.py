@@ -117,7 +117,7 @@ class Lockstep:
             self.trajectory_cells.fine.set(moved)
             return moved
 
-        return self.stepper.advance("fine", y, self.fine_step_length, loads, update)
+        return self.stepper.advance(y, self.fine_step_length, loads, update)
 
     def coarse_step(
         self,

@@ -9,7 +9,7 @@ from __future__ import annotations
 from llvmlite import ir
 
 from remanent._field import Field
-from remanent.integrate.kernel.lanes import DOUBLE_TYPE, INTEGER_TYPE, Writer
+from remanent.integrate.kernel.lanes import begin_function
 from remanent.integrate.kernel.outline import OutlinedField
 from remanent.integrate.methods.runge_kutta import RungeKuttaMethod
 
@@ -37,16 +37,10 @@ def partial_steps_source(
     estimates : bool
         The code is for a processor that estimates reciprocals of eight numbers at once.
     """
-    module = ir.Module(name="remanent")
-    pointer = DOUBLE_TYPE.as_pointer()
-    signature = ir.FunctionType(ir.VoidType(), [pointer, pointer, INTEGER_TYPE])
-    function = ir.Function(module, signature, PARTIAL_STEPS_FUNCTION_NAME)
-    builder = ir.IRBuilder(function.append_basic_block("entry"))
-    begin = function.append_basic_block("begin")
-    builder.branch(begin)
-    builder.position_at_end(begin)
-    writer = Writer(builder, lane_count, estimates)
-    starts, ends, group_count = function.args
+    writer, (starts, ends, group_count) = begin_function(
+        PARTIAL_STEPS_FUNCTION_NAME, 2, 1, lane_count, estimates=estimates
+    )
+    builder = writer.builder
     states, load_size = len(field.variables), 1 + len(field.waveform_names)
     step_function = OutlinedField(field, method, writer, states)
     counts = (1, *(load_size for _ in method.nodes), states, len(field.parameter_names))
@@ -66,4 +60,4 @@ def partial_steps_source(
         for k, (y, added) in enumerate(zip(state, change, strict=True)):
             writer.store_lanes(y + added, ends, place(k))
     builder.ret_void()
-    return str(module)
+    return str(builder.module)

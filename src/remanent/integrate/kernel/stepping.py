@@ -46,9 +46,9 @@ class Stepper(Protocol):
     """Advances the two solutions of a group, called `fine` and `coarse`."""
 
     def advance(
-        self, solution: str, y: Sequence[Lanes], h: Lanes, loads: LoadAtNode, update: UpdateFunction
+        self, y: Sequence[Lanes], h: Lanes, loads: LoadAtNode, update: UpdateFunction
     ) -> list[Lanes]:
-        """Take one step of length `h` from `y`; the new state is what `update` makes of it."""
+        """The fine solution after a step of length `h`: what `update` makes of its change."""
 
     def advance_coarse(
         self,
@@ -114,12 +114,9 @@ class RungeKuttaStepper:
         return cls(method, code, histories, rings)
 
     def advance(
-        self, solution: str, y: Sequence[Lanes], h: Lanes, loads: LoadAtNode, update: UpdateFunction
+        self, y: Sequence[Lanes], h: Lanes, loads: LoadAtNode, update: UpdateFunction
     ) -> list[Lanes]:
-        load = [loads(node) for node in range(len(self.method.nodes))]
-        rates, change = self._rates_and_change(y, h, load)
-        self.ring_of_solution[solution].push({i: rates[i] for i in self.history_variables})
-        return update(change)
+        return update(self._change("fine", y, h, loads))
 
     def advance_coarse(
         self,
@@ -128,13 +125,17 @@ class RungeKuttaStepper:
         h: Lanes,
         loads: LoadAtNode,
     ) -> list[Lanes]:
-        return self.advance(
-            "coarse",
-            y,
-            h + h,
-            loads,
-            lambda change: [a + b for a, b in zip(y, change, strict=True)],
-        )
+        change = self._change("coarse", y, h + h, loads)
+        return [a + b for a, b in zip(y, change, strict=True)]
+
+    def _change(
+        self, solution: str, y: Sequence[Lanes], h: Lanes, loads: LoadAtNode
+    ) -> list[Lanes]:
+        """What a step adds to a solution, whose rates at the beginning are kept."""
+        load = [loads(node) for node in range(len(self.method.nodes))]
+        rates, change = self._rates_and_change(y, h, load)
+        self.ring_of_solution[solution].push({i: rates[i] for i in self.history_variables})
+        return change
 
     def _rates_and_change(
         self, y: Sequence[Lanes], h: Lanes, load: Sequence[PhaseAndWaveforms]
@@ -266,7 +267,7 @@ class AdamsStepper:
                 slots.write(backward_difference_name(age, i), cell.get())
 
     def advance(
-        self, solution: str, y: Sequence[Lanes], h: Lanes, loads: LoadAtNode, update: UpdateFunction
+        self, y: Sequence[Lanes], h: Lanes, loads: LoadAtNode, update: UpdateFunction
     ) -> list[Lanes]:
         """Predict, evaluate, correct, evaluate."""
         past = self.past_rates.all_newest_first()
