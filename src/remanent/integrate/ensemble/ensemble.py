@@ -31,7 +31,7 @@ from remanent.integrate.ensemble.resolution import (
     MAX_RESOLUTION,
     choose_method,
     estimate_resolutions_from_beginnings,
-    initial_resolution,
+    initially_pending,
 )
 from remanent.integrate.ensemble.run import Attempt, Chunk
 from remanent.integrate.ensemble.work_sizes import DEFAULT_WORK_SIZES, WorkSizes
@@ -111,13 +111,14 @@ def integrate(
     method = method or choose_method(request, tolerance)
     policy = RefinementPolicy(tolerance, method.order, max_resolution)
     best = BestAttempts.before_first_attempt(problem, request)
-    coarsest = min(max_resolution, initial_resolution(tolerance, method))
     # States at given times cost more than the steps: they are taken in one more attempt, when
     # the resolution is known.  Strobed states cost nothing and are taken on the way.
     search = replace(request, times=None, inspect_window=None)
     options = _kernel_options(request)
     with KernelPool(problem, method, options, tolerance, workers=workers, sizes=sizes) as pool:
-        pending = best.without_unaffordable(_every_valid_trajectory_pending_at(problem, coarsest))
+        pending = best.without_unaffordable(
+            initially_pending(problem, tolerance, method, max_resolution)
+        )
         pending = estimate_resolutions_from_beginnings(
             pool, problem, search, pending, method, known=first_resolution, most=max_resolution
         )

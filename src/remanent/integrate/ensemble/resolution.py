@@ -38,6 +38,9 @@ _MAX_REFINEMENT_FACTOR = 4.0
 _BLIND_REFINEMENT_FACTOR = 2.0
 #: Below this tolerance rounding of past rates would show in Adams steps.
 _MIN_ADAMS_TOLERANCE = 1e-10
+#: Least double steps of Adams in a cycle, or in a run, to begin with: errors of fewer say little
+#: about those with other steps.
+_LEAST_DOUBLE_STEPS_BY_ADAMS = 24.0
 #: Tolerance for which the resolutions of :func:`initial_resolution` are given.
 _REFERENCE_TOLERANCE = 1e-9
 #: Runs of at least so many cycles, or nominal times, are begun to estimate their resolution.
@@ -81,13 +84,42 @@ def choose_method(request: Request, tolerance: float) -> Method:
 
 
 def initial_resolution(tolerance: float, method: Method) -> int:
-    """Double steps per cycle to begin with: enough for a gentle trajectory.
-
-    With fewer than the least, errors say little about those with other steps.
-    """
-    reference, least = (28.0, 24.0) if isinstance(method, AdamsMethod) else (12.0, 6.0)
+    """Double steps per cycle to begin with: enough for a gentle trajectory."""
+    by_adams = isinstance(method, AdamsMethod)
+    reference, least = (28.0, _LEAST_DOUBLE_STEPS_BY_ADAMS) if by_adams else (12.0, 6.0)
     growth = (_REFERENCE_TOLERANCE / tolerance) ** (1.0 / method.order)
     return int(round_up_resolution(max(least, reference * growth)))
+
+
+def initially_pending(
+    problem: Problem, tolerance: float, method: Method, most: int
+) -> PendingTrajectories:
+    """Every trajectory that may be computed, with its resolution to begin with.
+
+    It is larger than that of others where an Adams run is so short that it had few steps.
+
+    Parameters
+    ----------
+    problem : Problem
+    tolerance : float
+    method : RungeKuttaMethod or AdamsMethod
+    most : int
+        Largest resolution, double steps per cycle.
+    """
+    indices = np.flatnonzero(~problem.invalid)
+    least = np.full(indices.size, float(min(most, initial_resolution(tolerance, method))))
+    if isinstance(method, AdamsMethod):
+        load_schedule = problem.load_schedule
+        cycle = (
+            load_schedule.piece_lengths[0, indices]
+            if load_schedule.periodic
+            else NOMINAL_CYCLE_TIME
+        )
+        with np.errstate(all="ignore"):
+            of_run = _LEAST_DOUBLE_STEPS_BY_ADAMS * cycle / problem.duration[indices]
+        # A run of no length needs none.
+        least = np.maximum(least, np.nan_to_num(of_run, posinf=0.0).clip(max=most))
+    return PendingTrajectories(indices, round_up_resolution(least))
 
 
 def refine_resolution(

@@ -9,10 +9,11 @@ import numpy as np
 
 from remanent._load_schedule import LoadSchedule
 from remanent._typing import FloatArray, IntArray
-from remanent.integrate.kernel.layout import PAST_RATE_COUNT
+from remanent.integrate.kernel.layout import PAST_DIFFERENCE_COUNT, PAST_RATE_COUNT
 
-#: Double steps that start a piece: after them all past rates are known.
-START_DOUBLE_STEPS = PAST_RATE_COUNT - 1
+#: Double steps that start a piece: after them all past rates are known, one more, of which the
+#: backward difference before the last is made, and all past differences of the two solutions.
+START_DOUBLE_STEPS = max(-(-(PAST_RATE_COUNT + 1) // 2), PAST_DIFFERENCE_COUNT - 1)
 
 
 @dataclass(frozen=True)

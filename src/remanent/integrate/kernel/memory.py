@@ -55,14 +55,15 @@ class LaneMemory:
         """
         count = vectors["parameter"].shape[0]
         groups = -(-count // lane_count)
-        flat = np.zeros((groups * lane_count, layout.slot_count))
+        slots = np.zeros((groups, layout.slot_count, lane_count))
+        # The last group is filled up with the last trajectory.
+        members = np.arange(groups * lane_count).clip(max=count - 1).reshape(groups, lane_count)
         for kind, vector in vectors.items():
-            flat[:count, layout.slots_of_vector(kind)] = vector
+            slots[:, layout.slots_of_vector(kind)] = vector[members].transpose(0, 2, 1)
         for name, value in scalars.items():
-            flat[:count, layout.slot_of_name[name]] = value
-        flat[count:] = flat[count - 1]
-        grouped = flat.reshape(groups, lane_count, layout.slot_count)
-        return cls(np.ascontiguousarray(grouped.transpose(0, 2, 1)), layout, count)
+            column = value[members] if isinstance(value, np.ndarray) else value
+            slots[:, layout.slot_of_name[name]] = column
+        return cls(slots, layout, count)
 
     def column(self, name: str) -> FloatArray:
         """The number called `name` of every trajectory, array (trajectory,)."""

@@ -103,16 +103,16 @@ class AdamsMethod:
 
         The error of a value may pass through zero there.
         """
-        return 3.0
+        return 2.0
 
     @property
     def recent_share_at_extremes(self) -> float:
         """Share of recent differences of two solutions in the error of an extremum.
 
-        The error is followed to a few parts in a hundred of what it was shortly before, and may
-        have become as small as that at the only extremum that there is.
+        The error is followed to a part of what it was shortly before, often a few hundredths, and
+        may have become as small as that at the only extremum that there is.
         """
-        return 0.1
+        return 0.25
 
     @property
     def has_compensated_sum(self) -> bool:

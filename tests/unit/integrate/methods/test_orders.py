@@ -66,7 +66,10 @@ def test_order_of_the_error_estimate(method: Method) -> None:
 
 @pytest.mark.parametrize("method", METHODS, ids=lambda m: m.name)
 def test_order_of_extremes(method: Method) -> None:
-    """The extremes of the cycle, 1 and -1, from many phases, between steps.
+    """The extremes of the cycle, 1 and -1, from many phases, between steps: at least of the order.
+
+    Errors of the phase do not enter, and of Adams' errors of the amplitude terms of several orders
+    are equally large at these steps.
 
     Law: Order of the methods.
     """
@@ -76,4 +79,5 @@ def test_order_of_extremes(method: Method) -> None:
     for level in LEVELS:
         found = attempted(asked, Request(wants_extremes=True), method, int(level))
         errors.append(np.abs([found.maximum - 1.0, found.minimum + 1.0]).max())
-    assert order(LEVELS, errors) == pytest.approx(method.order, abs=WITHIN)
+    assert max(errors) < 1e-10
+    assert order(LEVELS, errors) > method.order - WITHIN
