@@ -32,7 +32,8 @@ from remanent.integrate.ensemble.problem import Outcome, Problem, Request
 from remanent.integrate.ensemble.resolution import FINE_RESOLUTION_LADDER
 from remanent.integrate.ensemble.run import Attempt, Chunk, Run
 
-#: Of a second solution, with steps twice as long or with amplified errors.
+#: Work of both solutions over that of the first: the second has steps twice as long, or carries
+#: amplified errors with half as many evaluations.
 _COMPANION = 1.5
 #: The reference solution has this share of the tolerance.
 _REFERENCE_SHARE = 1e-4

@@ -14,6 +14,7 @@ from remanent.integrate.ensemble.counts import (
     MAX_FINE_STEPS_PER_TRAJECTORY,
     NOMINAL_CYCLE_TIME,
     cycle_counts,
+    cycle_lengths,
     fine_step_counts,
 )
 from remanent.integrate.ensemble.pool import PendingTrajectories
@@ -138,15 +139,8 @@ class BestAttempts:
 
     def _round_off_error(self, chunk: Chunk, horizon: FloatArray) -> FloatArray:
         """Least error that rounding makes: it walks at random, by a last place in each step."""
-        load_schedule, initial = (
-            self.problem.load_schedule,
-            self.problem.initial_states[chunk.indices],
-        )
-        cycle = (
-            load_schedule.piece_lengths[0, chunk.indices]
-            if load_schedule.periodic
-            else NOMINAL_CYCLE_TIME
-        )
+        initial = self.problem.initial_states[chunk.indices]
+        cycle = cycle_lengths(self.problem, chunk.indices)
         steps = 2 * chunk.resolution * horizon / cycle
         scale = np.maximum(1.0, np.abs(initial).max(axis=1))
         return np.asarray(_ROUND_OFF_FACTOR * np.finfo(float).eps * scale * np.sqrt(1.0 + steps))

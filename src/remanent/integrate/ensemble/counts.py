@@ -34,6 +34,13 @@ def counts_of_double_steps(
     return np.asarray(np.clip(count, 1, _MAX_DOUBLE_STEP_COUNT), dtype=np.int64)
 
 
+def cycle_lengths(problem: Problem, indices: IntArray | slice = slice(None)) -> FloatArray:
+    """Length of a cycle of each of some trajectories, tau, or the nominal time without a period."""
+    if problem.load_schedule.periodic:
+        return problem.load_schedule.piece_lengths[0, indices]
+    return np.full(problem.duration[indices].shape, NOMINAL_CYCLE_TIME)
+
+
 def cycle_counts(problem: Problem, indices: IntArray | slice = slice(None)) -> IntArray:
     """How many cycles each of some trajectories takes, array (trajectory,)."""
     duration = problem.duration[indices]

@@ -31,7 +31,7 @@ from remanent.integrate.ensemble.resolution import (
     MAX_RESOLUTION,
     choose_method,
     estimate_resolutions_from_beginnings,
-    initially_pending,
+    initial_resolutions,
 )
 from remanent.integrate.ensemble.run import Attempt, Chunk
 from remanent.integrate.ensemble.work_sizes import DEFAULT_WORK_SIZES, WorkSizes
@@ -116,9 +116,8 @@ def integrate(
     search = replace(request, times=None, inspect_window=None)
     options = _kernel_options(request)
     with KernelPool(problem, method, options, tolerance, workers=workers, sizes=sizes) as pool:
-        pending = best.without_unaffordable(
-            initially_pending(problem, tolerance, method, max_resolution)
-        )
+        coarsest = np.minimum(initial_resolutions(problem, tolerance, method), max_resolution)
+        pending = best.without_unaffordable(_every_valid_trajectory_pending_at(problem, coarsest))
         pending = estimate_resolutions_from_beginnings(
             pool, problem, search, pending, method, known=first_resolution, most=max_resolution
         )
@@ -228,7 +227,10 @@ def _kernel_options(request: Request) -> KernelOptions:
     return KernelOptions(request.wants_extremes, own_steps=own_steps)
 
 
-def _every_valid_trajectory_pending_at(problem: Problem, resolution: int) -> PendingTrajectories:
-    """All trajectories that may be computed, at the same resolution."""
+def _every_valid_trajectory_pending_at(
+    problem: Problem, resolution: IntArray | int
+) -> PendingTrajectories:
+    """All trajectories that may be computed, at one resolution or each at its own."""
     indices = np.flatnonzero(~problem.invalid)
-    return PendingTrajectories(indices, np.full(indices.size, resolution))
+    of_all = np.broadcast_to(resolution, problem.duration.shape)
+    return PendingTrajectories(indices, of_all[indices])

@@ -12,6 +12,7 @@ from remanent.integrate.ensemble.counts import (
     MAX_FINE_STEPS_PER_TRAJECTORY,
     NOMINAL_CYCLE_TIME,
     cycle_counts,
+    cycle_lengths,
 )
 from remanent.integrate.ensemble.pool import KernelPool, PendingTrajectories
 from remanent.integrate.ensemble.problem import Problem, Request
@@ -91,35 +92,18 @@ def initial_resolution(tolerance: float, method: Method) -> int:
     return int(round_up_resolution(max(least, reference * growth)))
 
 
-def initially_pending(
-    problem: Problem, tolerance: float, method: Method, most: int
-) -> PendingTrajectories:
-    """Every trajectory that may be computed, with its resolution to begin with.
+def initial_resolutions(problem: Problem, tolerance: float, method: Method) -> IntArray:
+    """The same for every trajectory, array (trajectory,).
 
-    It is larger than that of others where an Adams run is so short that it had few steps.
-
-    Parameters
-    ----------
-    problem : Problem
-    tolerance : float
-    method : RungeKuttaMethod or AdamsMethod
-    most : int
-        Largest resolution, double steps per cycle.
+    It is larger where an Adams run is so short that it would have few steps.
     """
-    indices = np.flatnonzero(~problem.invalid)
-    least = np.full(indices.size, float(min(most, initial_resolution(tolerance, method))))
+    resolution = np.full(problem.duration.shape, float(initial_resolution(tolerance, method)))
     if isinstance(method, AdamsMethod):
-        load_schedule = problem.load_schedule
-        cycle = (
-            load_schedule.piece_lengths[0, indices]
-            if load_schedule.periodic
-            else NOMINAL_CYCLE_TIME
-        )
         with np.errstate(all="ignore"):
-            of_run = _LEAST_DOUBLE_STEPS_BY_ADAMS * cycle / problem.duration[indices]
+            of_run = _LEAST_DOUBLE_STEPS_BY_ADAMS * cycle_lengths(problem) / problem.duration
         # A run of no length needs none.
-        least = np.maximum(least, np.nan_to_num(of_run, posinf=0.0).clip(max=most))
-    return PendingTrajectories(indices, round_up_resolution(least))
+        resolution = np.maximum(resolution, np.nan_to_num(of_run, posinf=0.0))
+    return round_up_resolution(resolution.clip(max=MAX_RESOLUTION))
 
 
 def refine_resolution(

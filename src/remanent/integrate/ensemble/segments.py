@@ -11,8 +11,9 @@ from remanent._load_schedule import LoadSchedule
 from remanent._typing import FloatArray, IntArray
 from remanent.integrate.kernel.layout import PAST_DIFFERENCE_COUNT, PAST_RATE_COUNT
 
-#: Double steps that start a piece: after them all past rates are known, one more, of which the
-#: backward difference before the last is made, and all past differences of the two solutions.
+#: Double steps that start a piece.  After them the newest rate is known, all that its backward
+#: difference takes and one more, for the difference a step ago; and the past differences of the
+#: two solutions.
 START_DOUBLE_STEPS = max(-(-(PAST_RATE_COUNT + 1) // 2), PAST_DIFFERENCE_COUNT - 1)
 
 

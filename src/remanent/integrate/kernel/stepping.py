@@ -107,8 +107,10 @@ class RungeKuttaStepper:
     ) -> Self:
         """Steps without a past."""
         histories = slots.layout.history_variables
+        # Beside the rates at the end of the start.
+        counts = {"fine": PAST_RATE_COUNT + 1, "coarse": PAST_DIFFERENCE_COUNT - 1}
         rings = {
-            name: _PastRateRing.allocate(slots.writer, PAST_RATE_COUNT + 1, histories)
+            name: _PastRateRing.allocate(slots.writer, counts[name], histories)
             for name in solutions
         }
         return cls(method, code, histories, rings)
