@@ -5,14 +5,22 @@ than both errors; the maximum lies between the nearest surely smaller points on 
 Where the function is smooth these errors hide its top, whose width is the root of the error
 over the curvature, long before a bracket is as narrow as is asked for: the top is then
 computed again with smaller errors.
+
+Where points are added depends on the function: about the place that a polynomial foretells where
+one agrees with the values, else in the intervals beside the largest value, more of them on the
+side where it falls more steeply.  The amplitudes of motions that pass a saddle have ripples
+beside their jump, ever narrower towards it.  So other maxima, and the edge of a jump, are looked
+at as long as the function might be as large there; what is left of them counts in the errors.
 """
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.polynomial import Polynomial
 
 from remanent._typing import BoolArray, FloatArray, IntArray
 
@@ -24,8 +32,29 @@ CaseFunction = Callable[
 ]
 #: ``effort(case, x)`` with arrays (point,): what the function takes there, in any unit.
 EffortFunction = Callable[[IntArray, FloatArray], FloatArray]
+#: New points around the largest value at a time, and around all others: as many as a kernel
+#: advances together.
+_NEW_POINTS = 16
+#: Others that are looked at together, and how many times.
+_OTHERS_AT_A_TIME, _ROUNDS_WITH_OTHERS = 4, 4
+#: A function might be larger beside a point by so many times what its values there tell.
+_RISE_FACTOR = 2.0
+#: At an edge the fall is so many times as steep as the rise on the other side.
+_EDGE_RATIO = 6.0
+#: Second differences about a smooth top are within this factor of each other.
+_LARGEST_CURVATURE_RATIO = 4.0
+#: About a smooth top each point is at most so many times nearer to it than the next one.
+_DISTANCE_RATIO = 4.0
+#: Share of the points beside a jump on the side where it is not.
+_SHARE_BEYOND_JUMP = 0.25
+#: A bracket with so few points across shows little of the top.
+_FEW_POINTS = 4
+#: Points on each side of one that tell what the function does there.
+_NEIGHBOURS = 4
 #: Factor between the tolerances with which the top of a maximum is computed.
 _TOLERANCE_STEP = 0.1
+#: Relative difference of tolerances that are equal but for rounding.
+_TOLERANCE_SLACK = 1e-9
 #: Smallest tolerance: below it, rounding is all that is left of an error.
 _FINEST_TOLERANCE = 1e-12
 
@@ -66,17 +95,15 @@ def refine_maxima(
     *,
     tolerance: float,
     width: float,
-    candidates: int = 3,
-    division: int = 8,
     effort: EffortFunction | None = None,
     max_effort: float = np.inf,
 ) -> BracketedMaxima:
     """Refine the largest of tabulated values.
 
-    The intervals on both sides of the `candidates` largest local maxima are divided,
-    then again around the largest, until it lies between surely smaller points that are no
-    farther apart than `width`, or than rounding lets tell.  No smoothness is assumed: a maximum
-    narrower than the table's spacing, away from the candidates, is not found.
+    Points are added around the largest, and around others that might be, until it lies between
+    surely smaller points that are no farther apart than `width`, or than rounding lets tell.  No
+    smoothness is assumed of the largest.  A maximum narrower than the table's spacing, of which
+    the table shows nothing, is not found.
 
     Parameters
     ----------
@@ -93,22 +120,19 @@ def refine_maxima(
         With which `values` were computed.
     width : float
         Of the last bracket.
-    candidates : int
-        Local maxima that are refined at first; one less at each level, down to one.
-    division : int
-        Parts that an interval is divided into.
     effort : callable, optional
         What the function takes at each of some points.
     max_effort : float
         Of all points of a case together.
     """
     tables = [
-        _CaseTable(x, v, e, r, tolerance).restricted_to_peaks(candidates)
+        _CaseTable(x, v, e, r, tolerance, width).restricted_to_candidates()
         for v, e, r in zip(values, errors, resolutions, strict=True)
     ]
     spent, is_cut_short = np.zeros(len(tables)), np.zeros(len(tables), dtype=np.bool_)
-    while True:
-        steps = [t.next_step(width, candidates, division) for t in tables]
+    for round_number in itertools.count():
+        most_others = _OTHERS_AT_A_TIME if round_number < _ROUNDS_WITH_OTHERS else 0
+        steps = [t.next_step(most_others) for t in tables]
         if effort is not None:
             spent += [effort(np.full(p.size, k), p).sum() for k, (_, p) in enumerate(steps)]
             is_cut_short = spent > max_effort
@@ -127,9 +151,8 @@ def refine_maxima(
             new = function(case, np.concatenate(points), level, np.concatenate(near))
             for k, p in zip(chosen, points, strict=True):
                 own_values, own_errors, own_resolutions = (column[case == k] for column in new)
-                own = _CaseTable(p, own_values, own_errors, own_resolutions, level)
+                own = _CaseTable(p, own_values, own_errors, own_resolutions, level, width)
                 tables[k] = tables[k].with_points(own)
-        candidates = max(1, candidates - 1)
     found = np.array([t.best_peak() for t in tables])
     position, value, position_error, value_error, has_two_sides = found.T
     with np.errstate(invalid="ignore"):
@@ -149,6 +172,8 @@ class _CaseTable:
     ----------
     tolerance : float
         With which they were computed.
+    width : float
+        Of the last bracket.
     outer : (float, float)
         Surely smaller places that were known before, or infinite.
     finest : float
@@ -160,6 +185,7 @@ class _CaseTable:
     errors: FloatArray
     resolutions: IntArray
     tolerance: float
+    width: float
     outer: tuple[float, float] = (-np.inf, np.inf)
     finest: float = _FINEST_TOLERANCE
 
@@ -171,13 +197,61 @@ class _CaseTable:
         index = np.flatnonzero(is_peak)
         return index[np.argsort(-self.values[index], kind="stable")]
 
-    def restricted_to_peaks(self, count: int) -> _CaseTable:
-        """The largest peaks, with what is around each down to the nearest surely smaller point."""
-        peaks = self.peak_indices()[:count]
-        kept = [(peaks[:, None] + np.array([-1, 0, 1])).ravel()]
-        kept += [np.arange(*self.bracket_indices(int(k))) for k in peaks[:1]]
-        kept += [np.array(self.bracket_indices(int(k))) for k in peaks[:1]]
-        subset = np.unique(np.concatenate([np.empty(0, np.int64), *kept]))
+    def edge_indices(self) -> IntArray:
+        """Points with a much steeper fall on one side than what the function does on the other."""
+        with np.errstate(all="ignore"):
+            spacing = np.diff(self.positions)
+            slopes = np.diff(self.values) / spacing
+            noise = (self.errors[:-1] + self.errors[1:]) / spacing
+            least, most = np.abs(slopes) - noise, _EDGE_RATIO * (np.abs(slopes) + noise)
+            is_edge = (slopes[:-1] > 0.0) & (least[:-1] > most[1:])
+            is_edge |= (slopes[1:] < 0.0) & (least[1:] > most[:-1])
+        edges = np.flatnonzero(is_edge) + 1
+        return edges[[not self._is_smooth(k) for k in edges.tolist()]]
+
+    def other_candidates(self, best: int) -> list[tuple[int, float]]:
+        """Maxima and edges beside which the function might be larger than at the largest point.
+
+        With what it might come to there, the largest first.  Those are left out whose neighbours
+        are no farther apart than the last bracket.
+        """
+        first, last = self.bracket_indices(best)
+        lowest = self.values[best] - self.errors[best]
+        possible: dict[int, float] = {}
+        for k in self.peak_indices().tolist():
+            if self._has_valley_between(k, best):
+                possible[k] = self._largest_possible(k, self._hidden_rise(k))
+        for k in self.edge_indices().tolist():
+            beside = self._largest_possible(k, self._change_beside(k))
+            possible[k] = max(beside, possible.get(k, beside))
+        others = [
+            k
+            for k, value in possible.items()
+            if value >= lowest
+            and not first < k < last
+            and np.ptp(self._neighbourhood(k)) > self.width
+        ]
+        return [(k, possible[k]) for k in sorted(others, key=possible.__getitem__, reverse=True)]
+
+    def _has_valley_between(self, k: int, other: int) -> bool:
+        """Whether a point between two is surely smaller than the first."""
+        between = slice(min(k, other) + 1, max(k, other))
+        smaller = self.values[between] + self.errors[between] < self.values[k] - self.errors[k]
+        return bool(smaller.any())
+
+    def _neighbourhood(self, k: int) -> FloatArray:
+        """The places of a point and of those beside it."""
+        return np.asarray(self.positions[max(k - 1, 0) : k + 2])
+
+    def restricted_to_candidates(self) -> _CaseTable:
+        """What is around the largest point and others that might be."""
+        kept = [np.empty(0, dtype=np.int64)]
+        for best in self.peak_indices()[:1].tolist():
+            chosen = np.array([best, *(k for k, _ in self.other_candidates(best))])
+            kept.append((chosen[:, None] + np.arange(-_NEIGHBOURS, _NEIGHBOURS + 1)).ravel())
+            low, high = self.bracket_indices(best)
+            kept.append(np.arange(low, high + 1))
+        subset = np.unique(np.concatenate(kept))
         subset = subset[(subset >= 0) & (subset < self.positions.size)]
         return replace(
             self,
@@ -208,39 +282,95 @@ class _CaseTable:
             float(self.positions[high]) if high < self.positions.size else self.outer[1],
         )
 
-    def next_step(self, width: float, candidates: int, division: int) -> tuple[float, FloatArray]:
-        """New points around the largest peaks, and the tolerance for them; none at the end."""
-        peaks = self.peak_indices()
-        nothing = self.tolerance, np.empty(0)
-        if not peaks.size or self.positions.size < 2:
-            return nothing
-        best = int(peaks[0])
-        low, high = self.bracket(best)
-        if high - low <= width:
-            return nothing
-        first, last = self.bracket_indices(best)
-        if (first, last) == (best - 1, best + 1) or not np.isfinite(high - low):
-            neighbours = self.positions[max(best - 1, 0) : best + 2]
-            if np.ptp(neighbours) <= width:
-                return nothing
-            new = [_division_points(self.positions, int(k), division) for k in peaks[:candidates]]
-            points = np.setdiff1d(np.concatenate(new), self.positions)
-            return self.tolerance, points
-        return self._points_with_smaller_errors(low, high, width, division)
+    def next_step(self, most_others: int) -> tuple[float, FloatArray]:
+        """New points around the largest one and some others, and the tolerance for them.
 
-    def _points_with_smaller_errors(
-        self, low: float, high: float, width: float, division: int
-    ) -> tuple[float, FloatArray]:
-        """The top of the peak once more, which errors hide; none where rounding does."""
-        level = self.tolerance
-        # The width of the top is as the root of the error.
-        needed = self.tolerance * (width / (high - low)) ** 2
-        while level > max(needed, self.finest):
-            level *= _TOLERANCE_STEP
-        level = max(level, self.finest)
-        if level >= self.tolerance:
+        None at the end.
+        """
+        peaks, x = self.peak_indices().tolist(), self.positions
+        if not peaks or x.size < 2:
             return self.tolerance, np.empty(0)
-        return level, np.unique(np.linspace(low, high, 2 * division + 1))
+        best = peaks[0]
+        low, high = self.bracket(best)
+        others = self.other_candidates(best)
+        looked_at = [k for k, _ in others[:most_others]]
+        new = [self._points_around(k, _NEW_POINTS // len(looked_at)) for k in looked_at]
+        first, last = self.bracket_indices(best)
+        is_tight = (first, last) == (best - 1, best + 1) or not np.isfinite(high - low)
+        is_found = (np.ptp(self._neighbourhood(best)) if is_tight else high - low) <= self.width
+        if is_tight and not is_found:
+            new.append(self._points_around(best, _NEW_POINTS))
+        elif not is_found and not others:
+            if last - first > _FEW_POINTS:
+                return self._points_with_smaller_errors(low, high)
+            new.append(_inner_points(low, high, _NEW_POINTS))
+        return self.tolerance, np.setdiff1d(np.concatenate([np.empty(0), *new]), x)
+
+    def _largest_possible(self, k: int, rise: float) -> float:
+        """What the function might come to beside a point, where it is known on a side.
+
+        Values that are equal but for their errors tell of no rise.
+        """
+        noise = self.errors[k] + np.nanmax(self.errors[max(k - 2, 0) : k + 3])
+        known = float(self.values[k] + self.errors[k])
+        return known + _RISE_FACTOR * max(rise - noise, 0.0) if np.isfinite(rise) else known
+
+    def _points_around(self, k: int, count: int) -> FloatArray:
+        """Points about a smooth top, or in the intervals on both sides of another point."""
+        x, last = self.positions, self.positions.size - 1
+        top = self._smooth_top(k)
+        if top is not None:
+            reach = max(x[k + 1] - top, top - x[k - 1])
+            least = max(0.25 * self.width, reach / _DISTANCE_RATIO ** (count // 2))
+            distances = np.geomspace(least, reach, count // 2 + 1)[:-1]
+            points = np.concatenate([[top], top - distances[:-1], top + distances])
+            return np.asarray(points[(points > x[k - 1]) & (points < x[k + 1])])
+        if k in (0, last):
+            return _inner_points(x[max(k - 1, 0)], x[min(k + 1, last)], count)
+        steepness = (self.values[k] - self.values[[k - 1, k + 1]]) / np.abs(
+            x[[k - 1, k + 1]] - x[k]
+        )
+        share = 0.5
+        if np.isfinite(steepness).all() and steepness[0] != steepness[1]:
+            is_below = steepness[0] > steepness[1]
+            share = 1.0 - _SHARE_BEYOND_JUMP if is_below else _SHARE_BEYOND_JUMP
+        below = round(share * count)
+        return np.concatenate(
+            [_inner_points(x[k - 1], x[k], below), _inner_points(x[k], x[k + 1], count - below)]
+        )
+
+    def _is_smooth(self, k: int) -> bool:
+        """Whether second differences about a point agree that the function is one arch there."""
+        x, v = self.positions[max(k - 2, 0) : k + 3], self.values[max(k - 2, 0) : k + 3]
+        if x.size < 5 or not np.isfinite(v).all():
+            return False
+        curvatures = np.diff(np.diff(v) / np.diff(x)) / (x[2:] - x[:-2])
+        return bool(curvatures.max() < curvatures.min() / _LARGEST_CURVATURE_RATIO < 0.0)
+
+    def _smooth_top(self, k: int) -> float | None:
+        """Where the polynomial through a peak and two points on either side is largest.
+
+        None where second differences say that the function is not smooth.
+        """
+        if not self._is_smooth(k):
+            return None
+        x, v = self.positions[k - 2 : k + 3], self.values[k - 2 : k + 3]
+        roots = Polynomial.fit(x, v, 4).deriv().roots()
+        real = roots[np.abs(roots.imag) <= 1e-7 * np.ptp(x)].real
+        inside = real[(real > x[1]) & (real < x[3])]
+        return float(inside[0]) if inside.size == 1 else None
+
+    def _points_with_smaller_errors(self, low: float, high: float) -> tuple[float, FloatArray]:
+        """The top of the peak once more, which errors hide; none where rounding does."""
+        # The width of the top is as the root of the error.
+        narrower = (high - low) / self.width
+        level = self.tolerance * _TOLERANCE_STEP ** np.ceil(
+            -2.0 * np.log(narrower) / np.log(_TOLERANCE_STEP)
+        )
+        level = max(level, self.finest)
+        if not level < (1.0 - _TOLERANCE_SLACK) * self.tolerance:
+            return self.tolerance, np.empty(0)
+        return level, np.unique(np.linspace(low, high, _NEW_POINTS))
 
     def resolutions_beside(self, x: FloatArray, tolerance: float) -> IntArray:
         """What the points on both sides of others needed: the larger; 0 at another tolerance."""
@@ -266,23 +396,37 @@ class _CaseTable:
         )
 
     def best_peak(self) -> tuple[float, float, float, float, bool]:
-        """Place and value of the largest peak, their errors, and whether it has two sides."""
-        peaks = self.peak_indices()
-        if not peaks.size:
+        """Place and value of the largest point, their errors, and whether it has two sides.
+
+        The errors reach as far as the others that might be larger.
+        """
+        peaks = self.peak_indices().tolist()
+        if not peaks:
             return np.nan, np.nan, np.nan, np.nan, False
-        k = int(peaks[0])
+        k = peaks[0]
+        position, value = float(self.positions[k]), float(self.values[k])
         low, high = self.bracket(k)
-        position = float(self.positions[k])
-        return (
-            position,
-            float(self.values[k]),
-            max(position - low, high - position),
-            float(self.errors[k]) + self._hidden_rise(k),
-            bool(np.isfinite(high - low)),
-        )
+        value_error = float(self.errors[k]) + self._hidden_rise(k) * self._unknown_share(k)
+        reach = [position - low, high - position]
+        for other, largest in self.other_candidates(k):
+            reach += np.abs(self._neighbourhood(other) - position).tolist()
+            value_error = max(value_error, largest - value)
+        return position, value, max(reach), value_error, bool(np.isfinite(high - low))
+
+    def _unknown_share(self, k: int) -> float:
+        """How many times as far as the nearest known point a bracket with unknown values reaches.
+
+        1 where the values beside the point are known.
+        """
+        if np.isfinite(self.values[max(k - 1, 0) : k + 2]).all():
+            return 1.0
+        known = self.positions[np.isfinite(self.values)]
+        low, high = self.bracket(k)
+        nearest = np.sort(np.abs(known - self.positions[k]))[1:2]
+        return max(1.0, float((high - low) / nearest[0])) if nearest.size else np.inf
 
     def _hidden_rise(self, k: int) -> float:
-        """How much the maximum may rise above its largest point, between the points beside it.
+        """How much the function may rise above a maximum, between the points beside it.
 
         A smooth function rises by less than it falls to the second point on either side, and one
         that jumps by less than it falls to the second on the side where it does not.
@@ -293,9 +437,15 @@ class _CaseTable:
                 falls.append(float(self.values[k] - side.min()))
         return min(falls, default=np.inf)
 
+    def _change_beside(self, k: int) -> float:
+        """How much the function changes beside a point, on the side where it changes less."""
+        changes = []
+        for side in (self.values[:k][::-1][:_NEIGHBOURS], self.values[k + 1 :][:_NEIGHBOURS]):
+            if side.size and np.isfinite(side).all():
+                changes.append(float(np.abs(self.values[k] - side).max()))
+        return min(changes, default=np.inf)
 
-def _division_points(x: FloatArray, k: int, division: int) -> FloatArray:
-    """Points that divide the intervals on both sides of ``x[k]``."""
-    sides = [(a, b) for a, b in ((k - 1, k), (k, k + 1)) if a >= 0 and b < x.size]
-    inner = np.arange(1, division) / division
-    return np.concatenate([x[a] + inner * (x[b] - x[a]) for a, b in sides])
+
+def _inner_points(low: float, high: float, count: int) -> FloatArray:
+    """Points that divide an interval into equal parts."""
+    return np.linspace(low, high, count + 2)[1:-1]

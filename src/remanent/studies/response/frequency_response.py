@@ -140,9 +140,11 @@ def frequency_response(
     Notes
     -----
     The response from rest is not smooth in ω: it jumps where the initial state crosses
-    the stable manifold of a saddle orbit, so the maximum is found by subdivision.  Its error
-    is the distance to the nearest frequencies whose amplitudes are surely smaller, by more than
-    both errors.
+    the stable manifold of a saddle orbit, and beside the jump it has ripples, one for each
+    oscillation that the motion stays near the saddle, ever narrower towards it.  So the maximum is
+    found by subdivision.  Its error is the distance to the nearest frequencies whose amplitudes are
+    surely smaller, by more than both errors; where ripples are left that might be higher it
+    reaches as far as these, and the error of the amplitude is as large as they might be.
 
     Examples
     --------

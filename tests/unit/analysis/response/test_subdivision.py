@@ -52,7 +52,7 @@ def test_largest_is_never_below_the_table() -> None:
 
 
 def test_the_highest_of_three_peaks_is_found_where_the_table_hides_it() -> None:
-    """Of five peaks the one that the table shows third is the highest; one less each time."""
+    """Of five peaks the one that the table shows third is the highest; all three are looked at."""
     middle = np.array([0.10, 0.30, 0.525, 0.70, 0.90])
     height = np.array([1.00, 0.99, 1.10, 0.50, 0.40])
     asked: list[FloatArray] = []
@@ -66,8 +66,68 @@ def test_the_highest_of_three_peaks_is_found_where_the_table_hides_it() -> None:
     asked.clear()
     found = refine_maxima(x, *exact(table), measure, tolerance=1e-9, width=1e-4)
     assert abs(found.position[0] - 0.525) <= found.position_error[0] <= 1e-4
-    peaks = [np.unique(np.abs(x[:, None] - middle).argmin(axis=1)).size for x in asked]
-    assert peaks == [3, 2, *[1] * (len(peaks) - 2)]
+    nearest = [np.abs(x[:, None] - middle).argmin(axis=1) for x in asked]
+    assert {0, 1, 2} <= set(nearest[0])
+
+
+def test_errors_reach_the_highest_of_ripples_beside_a_jump() -> None:
+    """As amplitudes are where motions pass a saddle: ripples ever narrower towards a jump.
+
+    Of two hundred functions the largest value and its place are within the errors but for one in
+    fifty; three quarters of them are found to a hundredth of the height of the ripples.
+    """
+    rng = np.random.default_rng(7)
+    count = 200
+    jump, height, envelope = (
+        rng.uniform(low, high, count) for low, high in ((0.3, 0.7), (0.01, 0.05), (0.5, 3.0))
+    )
+    ratio, first = rng.uniform(0.2, 0.8, count), 10.0 ** rng.uniform(-6.0, -2.0, count)
+
+    def value(case: IntArray, x: FloatArray) -> FloatArray:
+        """Nearer to the jump than `first` there are no more ripples, but a steep rise."""
+        beyond = x - jump[case]
+        distance = np.maximum(beyond, first[case])
+        depth = height[case] * (1.0 - np.abs(np.sin(np.log(distance) / ratio[case])))
+        rise = np.minimum(1.0, 0.5 + 0.5 * beyond / first[case])
+        return np.where(beyond > 0.0, (1.0 - envelope[case] * distance - depth) * rise, 0.1 * x)
+
+    def measure(case: IntArray, x: FloatArray, level: float, near: IntArray) -> Columns:
+        return value(case, x), np.full(x.shape, level), near
+
+    x, cases = np.linspace(0.0, 1.0, 101), np.arange(count)[:, None]
+    table = value(cases, np.broadcast_to(x, (count, x.size)))
+    found = refine_maxima(
+        x, table, np.full(table.shape, 1e-9), np.zeros(table.shape, dtype=np.int64), measure,
+        tolerance=1e-9, width=1e-6,
+    )  # fmt: skip
+    places = jump[:, None] + np.geomspace(first, 0.3, 20_001).T
+    exact = value(np.broadcast_to(cases, places.shape), places)
+    best = exact.argmax(axis=1)[:, None]
+    missing = np.take_along_axis(exact, best, 1)[:, 0] - found.value
+    away = np.abs(np.take_along_axis(places, best, 1)[:, 0] - found.position)
+    covered = (missing <= found.value_error) & ((away <= found.position_error) | (missing < 1e-6))
+    assert covered.mean() >= 0.98
+    assert np.mean(missing < 0.01 * height) >= 0.75
+
+
+@pytest.mark.parametrize("jump", [2.0, 0.4])
+def test_a_lone_top_takes_few_points(jump: float) -> None:
+    """A smooth top, or one at a jump: at most five rounds of sixteen points."""
+    asked: list[int] = []
+
+    def measure(_case: IntArray, x: FloatArray, level: float, near: IntArray) -> Columns:
+        asked.append(x.size)
+        smooth = np.exp(-((x - 0.4321) ** 2) / 0.02)
+        return np.where(x < jump, smooth, 0.0), np.full(x.shape, level), near
+
+    x = np.linspace(0.0, 1.0, 101)
+    values, errors, near = measure(np.zeros(101, dtype=int), x, 1e-9, np.zeros(101, dtype=int))
+    asked.clear()
+    found = refine_maxima(
+        x, values[None], errors[None], near[None], measure, tolerance=1e-9, width=1e-6
+    )
+    assert found.position_error[0] <= 1e-6
+    assert sum(asked) <= 5 * 16
 
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-9])
@@ -147,11 +207,11 @@ def test_points_are_told_what_their_neighbours_needed() -> None:
 
     def measure(_case: IntArray, x: FloatArray, level: float, near: IntArray) -> Columns:
         told.append((level, x, near))
-        return -((x - 0.52) ** 2), np.full(x.shape, level), needed(x)
+        return -np.abs(x - 0.52), np.full(x.shape, level), needed(x)
 
     x = np.linspace(0.0, 1.0, 11)
-    values, errors = -((x - 0.52) ** 2)[None], np.full((1, 11), 1e-6)
-    refine_maxima(x, values, errors, needed(x)[None], measure, tolerance=1e-6, width=1e-5)
+    values, errors = -np.abs(x - 0.52)[None], np.full((1, 11), 1e-6)
+    refine_maxima(x, values, errors, needed(x)[None], measure, tolerance=1e-6, width=1e-7)
     seen, before = x, 1e-6
     for level, at, near in told:
         if level < before:
