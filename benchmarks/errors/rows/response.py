@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
@@ -14,17 +14,20 @@ from scipy.optimize import brentq
 import remanent as rm
 from benchmarks.errors.batches import CASE
 from benchmarks.errors.row import Judged, Row, shared
+from remanent._typing import FloatArray
 
 #: Decades of tolerance that are asked for.
 TOLERANCES = (-11.0, -3.0)
-#: Length of each run.
-DURATION = 40.0
+#: Lengths of runs.
+DURATIONS = (40.0, 100.0)
 #: Cases of a batch, and how far their fields are apart, as a share.
 CASES = 16
 SPREAD = 0.05
 #: Relative error of a step of the reference, in extended precision, and in double for the way to
 #: a maximum, whose place is then known to some 1e-13.
 PRECISIONS = {np.longdouble: 1e-19, np.float64: 1e-16}
+#: Frequencies among which a resonance is searched at first.
+TABLES = (13, 61)
 #: How well the place of a maximum is known, over the width asked.
 ENOUGH = 1e-5
 #: Change of an amplitude that is more than rounding in double precision.
@@ -32,6 +35,10 @@ NOISE = 1e-12
 #: First step uphill to it, over that width, and the largest.
 FIRST_STEP = 1e-2
 LARGEST_STEP = 1e-2
+#: Frequencies among which the highest maximum is looked for, again about the best of them.
+SAMPLES, ZOOMS = 601, 3
+#: A last bracket for which no resonance is searched.
+WIDEST = 10.0
 LONG = np.longdouble
 
 
@@ -78,7 +85,7 @@ def excursion(values: dict[str, float], omega: float, fp_type: Any = LONG) -> Ex
         values["c"], fp_type(values["temperature"]) / 293, values["prestress"], values["eta"],
         values["b"], omega,
     ]  # fmt: skip
-    outcome = engine.propagate_until(fp_type(DURATION), max_steps=1_000_000)
+    outcome = engine.propagate_until(fp_type(values["duration"]), max_steps=1_000_000)
     if "time_limit" not in str(outcome[0]) or not engine.state[0] > 0:
         return None
     ends = [(fp_type(1), fp_type(0)), (engine.state[0], engine.state[2])]
@@ -100,15 +107,24 @@ class Batch:
         Fields in which the cases differ.
     middle : float
         Of the natural frequencies under the mean loads.
+    duration : float
+        Of each run.
     """
 
     columns: dict[str, Any]
     middle: float
+    duration: float
     damped: bool
 
     def values(self, k: int) -> dict[str, float]:
         """The fields of one case."""
-        return {name: float(column[k]) for name, column in self.columns.items()}
+        fields = {name: float(column[k]) for name, column in self.columns.items()}
+        return {**fields, "duration": self.duration}
+
+    def case(self, k: int) -> Batch:
+        """One of the cases alone."""
+        columns = {name: column[k : k + 1] for name, column in self.columns.items()}
+        return replace(self, columns=columns)
 
     def response(self, omega: Any, **options: Any) -> Any:
         """Of all cases, by :func:`remanent.frequency_response`."""
@@ -120,7 +136,9 @@ class Batch:
         }
         body = rm.Actuator(dissipation=rm.Rayleigh(0.1) if self.damped else ())
         drive = rm.SineSquared(0.4, 1.0)
-        return rm.frequency_response(body, drive, omega, duration=DURATION, over=over, **options)
+        return rm.frequency_response(
+            body, drive, omega, duration=self.duration, over=over, **options
+        )
 
 
 def _batch(rng: np.random.Generator) -> Batch | None:
@@ -138,7 +156,8 @@ def _batch(rng: np.random.Generator) -> Batch | None:
     body = rm.Actuator(c=first["c"], temperature=first["temperature"], prestress=first["prestress"])
     natural = rm.equilibria(body, 0.5 * first["b"] ** 2).natural_frequency
     middle = float(natural[0]) if natural.size else np.nan
-    return Batch(columns, middle, damped) if np.isfinite(middle) else None
+    duration = float(rng.choice(DURATIONS))
+    return Batch(columns, middle, duration, damped) if np.isfinite(middle) else None
 
 
 def _amplitude(rng: np.random.Generator) -> Iterator[Judged]:
@@ -191,6 +210,22 @@ def _true_maximum(values: dict[str, float], found: float, width: float) -> float
     return 0.5 * (low + high)
 
 
+def _highest_sampled(batch: Batch, k: int, omega: FloatArray) -> float | None:
+    """The frequency of the largest of many amplitudes between two others, in one case.
+
+    Many again about that one, and so on: beside a jump there are ripples.
+    """
+    low, high, best = omega[0], omega[-1], None
+    for _ in range(ZOOMS):
+        at = np.linspace(low, high, SAMPLES)
+        amplitude = batch.case(k).response(at, resonance_width=WIDEST).amplitude.values[0]
+        if not np.isfinite(amplitude).any():
+            break
+        i = int(np.nanargmax(amplitude))
+        low, best, high = at[max(i - 3, 0)], float(at[i]), at[min(i + 3, SAMPLES - 1)]
+    return best
+
+
 @shared
 def _resonance(
     rng: np.random.Generator, width: float, decades: tuple[float, float]
@@ -199,19 +234,20 @@ def _resonance(
     batch, tolerance = _batch(rng), 10.0 ** rng.uniform(*decades)
     if batch is None:
         return
-    omega = np.linspace(0.35, 0.65, 13) * batch.middle
+    omega = np.linspace(0.35, 0.65, int(rng.choice(TABLES))) * batch.middle
     ds = batch.response(omega, tolerance=tolerance, resonance_width=width)
     for k in range(CASES):
         one, values = ds.isel({CASE: k}), batch.values(k)
         if int(one.resonance_status) != rm.Status.OK:
             continue
         found = float(one.resonance)
-        exact = _true_maximum(values, found, width)
-        if exact is None or not np.isfinite(exact):
+        maxima = [
+            _maximum_beside(values, place, width)
+            for place in (found, _highest_sampled(batch, k, omega))
+        ]
+        if maxima[0] is None:
             continue
-        there = excursion(values, exact)
-        if there is None:
-            continue
+        exact, there = max(filter(None, maxima), key=lambda pair: pair[1].amplitude)
         case = f"{values}, resonance_width={width}"
         pairs = {
             "resonance": (abs(found - exact), 1.0),
@@ -222,6 +258,15 @@ def _resonance(
         for name, (true, size) in pairs.items():
             error = float(one[f"{name}_error"])
             yield name, Judged(case, tolerance, batch.damped, error, true, size)
+
+
+def _maximum_beside(
+    values: dict[str, float], place: float | None, width: float
+) -> tuple[float, Excursion] | None:
+    """The maximum to which the amplitude rises from a frequency; None where it is not found."""
+    exact = None if place is None else _true_maximum(values, place, width)
+    there = None if exact is None or not np.isfinite(exact) else excursion(values, exact)
+    return None if exact is None or there is None else (exact, there)
 
 
 def _resonance_of(
