@@ -59,7 +59,7 @@ def test_where_the_bound_is_not_met_there_is_no_amplitude() -> None:
     ds = rm.frequency_response(
         rm.Actuator(c=0.05, prestress=2.0),
         rm.Sine(1.5, 1.0),
-        [1.0, 2.25, 2.5, 3.5],
+        [1.0, 2.0, 2.5, 3.5],
         duration=200.0,
         resonance_width=10.0,
     )
