@@ -88,9 +88,10 @@ class KernelPool:
         workers: int | None = None,
         sizes: WorkSizes = DEFAULT_WORK_SIZES,
     ) -> None:
+        field, count = problem.field, problem.duration.size
         self.kernel_pair = KernelPair(
-            compiled_kernel(problem.field, default_method(), options),
-            compiled_kernel(problem.field, method, options),
+            compiled_kernel(field, default_method(), options, trajectory_count=count),
+            compiled_kernel(field, method, options, trajectory_count=count),
         )
         self.tolerance = tolerance
         self.work_sizes = sizes

@@ -229,9 +229,19 @@ class TargetProcessor:
     features: str
 
     @property
+    def vector_size(self) -> int:
+        """Doubles in a vector of the widest kind."""
+        return 8 if self.has_feature("avx512f") else 4 if self.has_feature("avx") else 2
+
+    @property
     def lane_count(self) -> int:
-        """Trajectories per group: two vectors of the widest kind, to hide latencies."""
-        return 2 * (8 if self.has_feature("avx512f") else 4 if self.has_feature("avx") else 2)
+        """Trajectories per group: two vectors, to hide latencies."""
+        return 2 * self.vector_size
+
+    def lane_count_for(self, trajectory_count: int | None) -> int:
+        """The same for so many trajectories: one vector, where no more are needed, is faster."""
+        few = trajectory_count is not None and trajectory_count <= self.vector_size
+        return self.vector_size if few else self.lane_count
 
     @property
     def has_reciprocal_estimates(self) -> bool:
@@ -242,10 +252,12 @@ class TargetProcessor:
         """Whether the processor can do this."""
         return f"+{feature}" in self.features.split(",")
 
-    def kernel_source(self, field: Field, method: Method, options: KernelOptions) -> str:
+    def kernel_source(
+        self, field: Field, method: Method, options: KernelOptions, lane_count: int
+    ) -> str:
         """LLVM assembly of a kernel for this processor."""
         return kernel_source(
-            field, method, options, self.lane_count, estimates=self.has_reciprocal_estimates
+            field, method, options, lane_count, estimates=self.has_reciprocal_estimates
         )
 
     def create_target_machine(self, level: int = _SPEED_LEVEL) -> Any:
@@ -266,27 +278,42 @@ def host_processor() -> TargetProcessor:
     )
 
 
-def compiled_kernel(field: Field, method: Method, options: KernelOptions) -> Kernel:
-    """The kernel of a field, from memory, from disk, or compiled now."""
+def compiled_kernel(
+    field: Field, method: Method, options: KernelOptions, *, trajectory_count: int | None = None
+) -> Kernel:
+    """The kernel of a field, from memory, from disk, or compiled now.
+
+    Parameters
+    ----------
+    field, method, options : Field, Method, KernelOptions
+    trajectory_count : int, optional
+        For how many trajectories.  For a few it is made with smaller groups: faster, and compiled
+        in less time.  Each trajectory has the same bits.
+    """
+    lane_count = host_processor().lane_count_for(trajectory_count)
     with _COMPILE_LOCK:
         return _cached_kernel(
-            _FieldByFingerprint(field), method.name, _MethodByName(method), options
+            _FieldByFingerprint(field), method.name, _MethodByName(method), options, lane_count
         )
 
 
 @cache
 def _cached_kernel(
-    key: _FieldByFingerprint, _name: str, method: _MethodByName, options: KernelOptions
+    key: _FieldByFingerprint,
+    _name: str,
+    method: _MethodByName,
+    options: KernelOptions,
+    lane_count: int,
 ) -> Kernel:
     target = host_processor()
     code = _object_code(
-        _kernel_cache_key(key.field, method.method, options, target),
-        lambda: target.kernel_source(key.field, method.method, options),
+        _kernel_cache_key(key.field, method.method, options, lane_count, target),
+        lambda: target.kernel_source(key.field, method.method, options, lane_count),
         target,
     )
     address, engine = _load_object_code(code, KERNEL_FUNCTION_NAME, target)
     layout, call = build_slot_layout(key.field, options), _C_SIGNATURE(address)
-    return Kernel(key.field, method.method, options, target.lane_count, layout, call, engine)
+    return Kernel(key.field, method.method, options, lane_count, layout, call, engine)
 
 
 def compiled_partial_steps(field: Field, method: RungeKuttaMethod) -> PartialSteps:
@@ -302,7 +329,7 @@ def _cached_partial_steps(
     target, field, method = host_processor(), key.field, by_name.method
     assert isinstance(method, RungeKuttaMethod)
     code = _object_code(
-        _kernel_cache_key(field, method, PARTIAL_STEPS_FUNCTION_NAME, target),
+        _kernel_cache_key(field, method, PARTIAL_STEPS_FUNCTION_NAME, target.lane_count, target),
         lambda: partial_steps_source(
             field, method, target.lane_count, estimates=target.has_reciprocal_estimates
         ),
@@ -375,13 +402,18 @@ def _load_object_code(code: bytes, name: str, target: TargetProcessor) -> tuple[
 
 
 def _kernel_cache_key(
-    field: Field, method: Method, options: KernelOptions | str, target: TargetProcessor
+    field: Field,
+    method: Method,
+    options: KernelOptions | str,
+    lane_count: int,
+    target: TargetProcessor,
 ) -> str:
     """Of a kernel with these options, or of another function of this name."""
     parts = (
         field.fingerprint,
         method.name,
         options,
+        lane_count,
         target,
         llvmlite.__version__,
         _kernel_writer_digest(),

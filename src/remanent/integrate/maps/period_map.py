@@ -226,6 +226,8 @@ class PeriodMap:
         The resolutions there are.
     is_threaded : bool
         Threads share the work of one call; whoever calls from many threads does without.
+    expected_points : int, optional
+        How many points a call has, where they are known to be few.
     """
 
     def __init__(
@@ -239,6 +241,7 @@ class PeriodMap:
         error_control: ErrorControl = "all",
         resolution_ladder: IntArray = FINE_RESOLUTION_LADDER,
         is_threaded: bool = True,
+        expected_points: int | None = None,
     ) -> None:
         self.field, self.dimension = field, len(field.state_names)
         self.direction_count, self.column_count = directions, directions + len(parameters)
@@ -255,8 +258,9 @@ class PeriodMap:
             own_steps="waiting",
         )
         self.kernel: Kernel = compiled_kernel(
-            with_tangents if self.column_count else field, method, options
-        )
+            with_tangents if self.column_count else field, method, options,
+            trajectory_count=expected_points,
+        )  # fmt: skip
         self.order = method.order
         self._cycle_tables = cycle_tables(waveform, phase)
         self._resolution_ladder = resolution_ladder

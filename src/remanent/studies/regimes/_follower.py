@@ -118,7 +118,7 @@ class EnsembleFollower:
             # Chunks of trajectories have threads of their own.
             return PeriodMap(
                 field, waveform, directions=directions, error_control=error_control,
-                is_threaded=False,
+                is_threaded=False, expected_points=self.ensemble.trajectory_count,
             )  # fmt: skip
 
         return period_map

@@ -65,7 +65,9 @@ class ParameterSweep:
     @cached_property
     def period_map(self) -> PeriodMap:
         """The map over one drive period."""
-        return PeriodMap(self.problem.field, self.problem.load_schedule.waveforms_at_phase)
+        together = self.trajectory_indices.shape[0] * len(self.sweep_directions)
+        waveform = self.problem.load_schedule.waveforms_at_phase
+        return PeriodMap(self.problem.field, waveform, expected_points=together)
 
     @cached_property
     def period_lengths(self) -> FloatArray:

@@ -13,7 +13,7 @@ from remanent.integrate.ensemble import segments
 from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import Request
 from remanent.integrate.ensemble.work_sizes import DEFAULT_WORK_SIZES
-from remanent.integrate.kernel.compile import Kernel, compiled_kernel
+from remanent.integrate.kernel.compile import Kernel, compiled_kernel, host_processor
 from remanent.integrate.kernel.options import KernelOptions
 from remanent.integrate.methods.adams import adams_method
 from remanent.integrate.methods.runge_kutta import default_method
@@ -80,4 +80,5 @@ def test_segments_are_shorter_the_more_they_do(trajectories: int) -> None:
     assert steps(-sp.exp(Q), adams_method(8)) <= cheap
     kept = steps(-Q, adams_method(8), recorded=True)
     assert kept <= cheap
-    assert kept * max(trajectories, 16) <= max(2**17, 64 * trajectories)
+    lanes = host_processor().lane_count
+    assert kept * max(trajectories, lanes) <= max(2**17, 64 * trajectories)

@@ -157,6 +157,23 @@ def test_steps_of_the_company_do_not_change_an_image(
             np.testing.assert_array_equal(getattr(whole, name)[k], values[0], err_msg=name)
 
 
+@pytest.mark.parametrize("error_control", ["all", "state", "none"])
+def test_kernels_for_few_points_change_no_bit(error_control: ErrorControl) -> None:
+    """Determinism: smaller groups, for a plain field and for one with a division and functions."""
+    rng = np.random.default_rng(5)
+    start, length = rng.uniform(-0.9, 0.9, (9, 2)), rng.uniform(4.0, 8.0, 9)
+    for acceleration in (0.3 * COSINE - Q**3, COSINE / (2 + Q) - sp.exp(Q) * V - sp.log(2 + Q**2)):
+        images = [
+            PeriodMap(
+                Oscillator(acceleration, {}).field(), turning,
+                directions=2, error_control=error_control, expected_points=expected,
+            )(start, np.zeros((9, 0)), length, tolerance=1e-9, cycles=2, visited=True)
+            for expected in (None, 1)
+        ]  # fmt: skip
+        for name, values in vars(images[0]).items():
+            np.testing.assert_array_equal(values, getattr(images[1], name), err_msg=name)
+
+
 def test_points_wait_for_their_company_at_the_end_of_a_period() -> None:
     """x'' = -x: after a period of 2 pi every point is back, whatever steps its company takes."""
     flow = PeriodMap(Oscillator(-Q, {}).field(), turning, error_control="none")
