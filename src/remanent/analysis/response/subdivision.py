@@ -39,6 +39,8 @@ _NEW_POINTS = 16
 _OTHERS_AT_A_TIME, _ROUNDS_WITH_OTHERS = 4, 4
 #: A function might be larger beside a point by so many times what its values there tell.
 _RISE_FACTOR = 2.0
+#: The same between two points where no value is known.
+_RISE_FACTOR_OF_UNKNOWN = 8.0
 #: At an edge the fall is so many times as steep as the rise on the other side.
 _EDGE_RATIO = 6.0
 #: Second differences about a smooth top are within this factor of each other.
@@ -222,7 +224,7 @@ class _CaseTable:
             if self._has_valley_between(k, best):
                 possible[k] = self._largest_possible(k, self._hidden_rise(k))
         for k in self.edge_indices().tolist():
-            beside = self._largest_possible(k, self._change_beside(k))
+            beside = self._largest_possible(k, _change_beside(self.values, k))
             possible[k] = max(beside, possible.get(k, beside))
         others = [
             k
@@ -251,6 +253,7 @@ class _CaseTable:
             kept.append((chosen[:, None] + np.arange(-_NEIGHBOURS, _NEIGHBOURS + 1)).ravel())
             low, high = self.bracket_indices(best)
             kept.append(np.arange(low, high + 1))
+            kept += [np.arange(a, b + 1) for (a, b), _ in self.unknown_stretches(best)]
         subset = np.unique(np.concatenate(kept))
         subset = subset[(subset >= 0) & (subset < self.positions.size)]
         return replace(
@@ -398,7 +401,7 @@ class _CaseTable:
     def best_peak(self) -> tuple[float, float, float, float, bool]:
         """Place and value of the largest point, their errors, and whether it has two sides.
 
-        The errors reach as far as the others that might be larger.
+        The errors reach as far as others that might be larger, and stretches where it is unknown.
         """
         peaks = self.peak_indices().tolist()
         if not peaks:
@@ -406,24 +409,32 @@ class _CaseTable:
         k = peaks[0]
         position, value = float(self.positions[k]), float(self.values[k])
         low, high = self.bracket(k)
-        value_error = float(self.errors[k]) + self._hidden_rise(k) * self._unknown_share(k)
+        unknown, rise = self.unknown_stretches(k), self._hidden_rise(k)
+        value_error = float(self.errors[k]) + (rise if np.isfinite(rise) or not unknown else 0.0)
         reach = [position - low, high - position]
         for other, largest in self.other_candidates(k):
             reach += np.abs(self._neighbourhood(other) - position).tolist()
             value_error = max(value_error, largest - value)
+        for ends, largest in unknown:
+            reach += np.abs(self.positions[ends] - position).tolist()
+            value_error = max(value_error, largest - value)
         return position, value, max(reach), value_error, bool(np.isfinite(high - low))
 
-    def _unknown_share(self, k: int) -> float:
-        """How many times as far as the nearest known point a bracket with unknown values reaches.
+    def unknown_stretches(self, best: int) -> list[tuple[IntArray, float]]:
+        """Where no value is known and the function might be larger than at the largest point.
 
-        1 where the values beside the point are known.
+        Numbers of the known points on both sides, and what it might come to between them: more
+        than the larger of these, by what it changes beside that one.
         """
-        if np.isfinite(self.values[max(k - 1, 0) : k + 2]).all():
-            return 1.0
-        known = self.positions[np.isfinite(self.values)]
-        low, high = self.bracket(k)
-        nearest = np.sort(np.abs(known - self.positions[k]))[1:2]
-        return max(1.0, float((high - low) / nearest[0])) if nearest.size else np.inf
+        known = np.flatnonzero(np.isfinite(self.values))
+        v, stretches = self.values[known], []
+        for i in np.flatnonzero(np.diff(known) > 1).tolist():
+            k = i if v[i] >= v[i + 1] else i + 1
+            rise = _RISE_FACTOR_OF_UNKNOWN * _change_beside(v, k)
+            largest = float(v[k] + self.errors[known[k]]) + rise
+            if largest >= self.values[best] - self.errors[best]:
+                stretches.append((known[i : i + 2], largest))
+        return stretches
 
     def _hidden_rise(self, k: int) -> float:
         """How much the function may rise above a maximum, between the points beside it.
@@ -437,13 +448,18 @@ class _CaseTable:
                 falls.append(float(self.values[k] - side.min()))
         return min(falls, default=np.inf)
 
-    def _change_beside(self, k: int) -> float:
-        """How much the function changes beside a point, on the side where it changes less."""
-        changes = []
-        for side in (self.values[:k][::-1][:_NEIGHBOURS], self.values[k + 1 :][:_NEIGHBOURS]):
-            if side.size and np.isfinite(side).all():
-                changes.append(float(np.abs(self.values[k] - side).max()))
-        return min(changes, default=np.inf)
+
+def _change_beside(values: FloatArray, k: int) -> float:
+    """How much values change beside one, on the side where they change less.
+
+    Infinite where some are unknown on both sides.
+    """
+    changes = [
+        float(np.abs(values[k] - side).max())
+        for side in (values[:k][::-1][:_NEIGHBOURS], values[k + 1 :][:_NEIGHBOURS])
+        if side.size and np.isfinite(side).all()
+    ]
+    return min(changes, default=np.inf)
 
 
 def _inner_points(low: float, high: float, count: int) -> FloatArray:
