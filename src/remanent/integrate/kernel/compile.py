@@ -253,12 +253,18 @@ class TargetProcessor:
         return f"+{feature}" in self.features.split(",")
 
     def kernel_source(
-        self, field: Field, method: Method, options: KernelOptions, lane_count: int
+        self,
+        field: Field,
+        method: Method,
+        options: KernelOptions,
+        *,
+        trajectory_count: int | None = None,
     ) -> str:
-        """LLVM assembly of a kernel for this processor."""
+        """LLVM assembly of a kernel for this processor, and for so many trajectories."""
         return kernel_source(
-            field, method, options, lane_count, estimates=self.has_reciprocal_estimates
-        )
+            field, method, options, self.lane_count_for(trajectory_count),
+            estimates=self.has_reciprocal_estimates,
+        )  # fmt: skip
 
     def create_target_machine(self, level: int = _SPEED_LEVEL) -> Any:
         return binding.Target.from_triple(self.triple).create_target_machine(
@@ -308,7 +314,9 @@ def _cached_kernel(
     target = host_processor()
     code = _object_code(
         _kernel_cache_key(key.field, method.method, options, lane_count, target),
-        lambda: target.kernel_source(key.field, method.method, options, lane_count),
+        lambda: target.kernel_source(
+            key.field, method.method, options, trajectory_count=lane_count
+        ),
         target,
     )
     address, engine = _load_object_code(code, KERNEL_FUNCTION_NAME, target)
