@@ -41,7 +41,7 @@ _OTHERS_AT_A_TIME, _ROUNDS_WITH_OTHERS = 4, 4
 _RISE_FACTOR = 2.0
 #: The same between two points where no value is known.
 _RISE_FACTOR_OF_UNKNOWN = 8.0
-#: At an edge the fall is so many times as steep as the rise on the other side.
+#: At an edge the fall is so many times as steep as the change on the other side.
 _EDGE_RATIO = 6.0
 #: Second differences about a smooth top are within this factor of each other.
 _LARGEST_CURVATURE_RATIO = 4.0

@@ -253,18 +253,11 @@ class TargetProcessor:
         return f"+{feature}" in self.features.split(",")
 
     def kernel_source(
-        self,
-        field: Field,
-        method: Method,
-        options: KernelOptions,
-        *,
-        trajectory_count: int | None = None,
+        self, field: Field, method: Method, options: KernelOptions, lane_count: int | None = None
     ) -> str:
-        """LLVM assembly of a kernel for this processor, and for so many trajectories."""
-        return kernel_source(
-            field, method, options, self.lane_count_for(trajectory_count),
-            estimates=self.has_reciprocal_estimates,
-        )  # fmt: skip
+        """LLVM assembly of a kernel for this processor, by default with its usual groups."""
+        lanes = lane_count or self.lane_count
+        return kernel_source(field, method, options, lanes, estimates=self.has_reciprocal_estimates)
 
     def create_target_machine(self, level: int = _SPEED_LEVEL) -> Any:
         return binding.Target.from_triple(self.triple).create_target_machine(
@@ -314,9 +307,7 @@ def _cached_kernel(
     target = host_processor()
     code = _object_code(
         _kernel_cache_key(key.field, method.method, options, lane_count, target),
-        lambda: target.kernel_source(
-            key.field, method.method, options, trajectory_count=lane_count
-        ),
+        lambda: target.kernel_source(key.field, method.method, options, lane_count),
         target,
     )
     address, engine = _load_object_code(code, KERNEL_FUNCTION_NAME, target)
