@@ -36,7 +36,7 @@ EffortFunction = Callable[[IntArray, FloatArray], FloatArray]
 #: advances together.
 _NEW_POINTS = 16
 #: Others that are looked at together, and how many times.
-_OTHERS_AT_A_TIME, _ROUNDS_WITH_OTHERS = 4, 3
+_OTHERS_AT_A_TIME, _ROUNDS_WITH_OTHERS = 4, 4
 #: A function might be larger beside a point by so many times what its values there tell.
 _RISE_FACTOR = 2.0
 #: The same between two points where no value is known.
