@@ -40,7 +40,7 @@ with rm.plot.style.context():
     )
     rm.plot.section(section, ax=left)
     right.plot(thick, rate, ".", ms=2, color="0.25", rasterized=True)
-    right.set(xlabel=left.get_xlabel())
+    right.set(xlabel=left.get_xlabel(), xlim=(0.55, 1.05), ylim=(-0.65, 0.65))
     rm.plot.style.set_panel_title(left, "a", f"error below $10^{{-8}}$: {regime}")
     rm.plot.style.set_panel_title(right, "b", "RK45 at rtol $10^{-3}$, atol $10^{-6}$")
     figure.savefig("tolerance.png")

@@ -99,6 +99,10 @@ CASES: dict[str, tuple[Callable[[], Any], tuple[str, ...]]] = {
         ("exactly one", "duration and periods"),
     ),
     "duration 0": (lambda: simulate(duration=0), ("`duration`", "greater than 0", "0")),
+    "duration too short for steps": (
+        lambda: rm.frequency_response(rm.Actuator(), rm.Sine(0.3, 1.0), [1.0], duration=5e-324),
+        ("`duration`", "at least 2.2e-308", "5e-324"),
+    ),
     "duration NaN": (lambda: simulate(duration=NAN), ("`duration`", "nan")),
     "periods 0": (
         lambda: simulate(periods=0),

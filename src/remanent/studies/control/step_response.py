@@ -30,6 +30,7 @@ from remanent.studies.control._step_metrics import (
 )
 from remanent.studies.ensemble.checks import require_actuator, require_tolerance
 from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
+from remanent.studies.ensemble.durations import require_duration
 from remanent.studies.ensemble.ensemble import Ensemble
 from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble
 from remanent.studies.ensemble.problem import initial_value_problem
@@ -40,7 +41,6 @@ from remanent.studies.statics._static_state import StaticState
 _SETTLING_BAND_RULE = positive_rule(
     "It is a share of the change of thickness stretch.", "Pass 0.02."
 )
-_DURATION_RULE = positive_rule("A run takes a positive time.", "Pass a time in units of tau.")
 #: Half periods after the last step that are followed by default.
 _HALF_PERIODS_AFTER_LAST_STEP = 20.0
 #: Names of dimensions that the result, or the motion behind it, has of its own.
@@ -203,7 +203,7 @@ def _run_length(ens: Ensemble, duration: float | None, rests: FinalRests) -> flo
         half_periods = _longest_half_periods(rests.bodies)
         longest = np.max(half_periods, initial=0.0, where=np.isfinite(half_periods))
         return last_step + _HALF_PERIODS_AFTER_LAST_STEP * float(longest or 1.0)
-    duration = require_real("duration", duration, _DURATION_RULE)
+    duration = require_duration(duration)
     if duration <= last_step:
         raise InputError(
             "duration",

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from remanent._checks import Rule, is_integer, positive_rule, require_real, shortened_repr
+from remanent._checks import Rule, is_integer, require_real, shortened_repr
 from remanent._errors import InputError
 from remanent._typing import FloatArray
 from remanent.studies.ensemble.ensemble import Ensemble
@@ -15,7 +15,14 @@ from remanent.studies.ensemble.ensemble import Ensemble
 _LARGEST_EXACT_COUNT = 2**53
 #: Default length of the window of a response, in units of tau: that of [Thermal].
 DEFAULT_RESPONSE_DURATION_IN_TAU = 100.0
-_DURATION_RULE: Rule = positive_rule("A run takes a positive time.", "Pass a time in units of tau.")
+#: Steps are parts of a run, which numbers closer to 0 than this do not have.
+_SHORTEST_RUN = float(np.finfo(np.float64).tiny)
+_DURATION_RULE = Rule(
+    f"be a finite number greater than 0, at least {_SHORTEST_RUN:.1e}",
+    lambda x: x >= _SHORTEST_RUN,
+    "A run takes a positive time.",
+    "Pass a time in units of tau.",
+)
 
 
 def require_count(name: str, value: Any, why: str, least: int = 1) -> int:

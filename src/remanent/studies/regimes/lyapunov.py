@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from remanent._checks import positive_rule, require_real, shortened_repr
+from remanent._checks import shortened_repr
 from remanent._errors import InputError
 from remanent._typing import ArrayLike
 from remanent.models.drives.base import Drive
@@ -22,6 +22,7 @@ from remanent.studies.ensemble.dataset import PerTrajectoryArray, to_dataset
 from remanent.studies.ensemble.durations import (
     require_count,
     require_drive_periods,
+    require_duration,
     require_exactly_one_argument,
 )
 from remanent.studies.ensemble.ensemble import Ensemble
@@ -40,7 +41,6 @@ from remanent.studies.regimes._follower import (
 _EXPONENT_VARIABLE_NAMES = ("exponent", "exponent_error")
 #: Fewest and most intervals of a run under a load that does not change; about one per tau.
 _INTERVAL_COUNT_LIMITS = (200, 20_000)
-_DURATION_RULE = positive_rule("A run takes a positive time.", "Pass a time in units of tau.")
 #: Bytes that a run needs for each of its periods and each entry of the tangents' factors.
 _BYTES_PER_PERIOD_AND_ENTRY = 16.0
 
@@ -195,7 +195,7 @@ def lyapunov(
 
 def _strobed(drive: Drive, duration: object) -> tuple[Drive, float, int]:
     """Loads that do not change in intervals, the length of these and how many there are."""
-    length = require_real("duration", duration, _DURATION_RULE)
+    length = require_duration(duration)
     drives = drive.parts() if isinstance(drive, Loads) else {"load": drive}
     loads = {name: one.m for name, one in drives.items() if isinstance(one, Constant)}
     if len(loads) < len(drives):
