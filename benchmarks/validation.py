@@ -38,6 +38,8 @@ _SAME_WORK = (
 )
 #: Coverage that bounds are asked to have.
 _ASKED_COVERAGE = 0.995
+#: Largest median of their ratios to true errors that they are asked to have.
+_ASKED_MEDIAN_RATIO = 100.0
 
 _INTRODUCTION = """\
 # Validation
@@ -345,10 +347,16 @@ def _of_errors(measured: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     cases = sum(row["total"]["cases"] for row in bounds)
     least = min(bounds, key=lambda row: row["total"]["coverage"])
     short = [row["name"] for row in bounds if row["total"]["coverage"] < _ASKED_COVERAGE]
+    wide = [row["name"] for row in bounds if row["total"]["median_ratio"] > _ASKED_MEDIAN_RATIO]
     yield (
         f"The bounds of {len(bounds)} further kinds of numbers were measured in {cases} cases. The "
         f"least covered are {least['name']}, at {_percent(least['total']['coverage'])}; "
-        + (f"below 99.5 %: {', '.join(short)}.\n" if short else "none is below 99.5 %.\n")
+        + (f"below 99.5 %: {', '.join(short)}. " if short else "none is below 99.5 %. ")
+        + (
+            f"More than a hundred times as large at the median: {', '.join(wide)}.\n"
+            if wide
+            else "None is more than a hundred times as large at the median.\n"
+        )
     )
     head = ["verb", "kinds of numbers:", "cases:", "least covered:", "largest median ratio:"]
     yield _table(head, _rows_by_verb(bounds))

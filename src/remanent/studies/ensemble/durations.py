@@ -15,7 +15,7 @@ from remanent.studies.ensemble.ensemble import Ensemble
 _LARGEST_EXACT_COUNT = 2**53
 #: Default length of the window of a response, in units of tau: that of [Thermal].
 DEFAULT_RESPONSE_DURATION_IN_TAU = 100.0
-#: Steps are parts of a run, which numbers closer to 0 than this do not have.
+#: The steps of shorter runs have lengths that lose digits, down to 0.
 _SHORTEST_RUN = float(np.finfo(np.float64).tiny)
 _DURATION_RULE = Rule(
     f"be a finite number greater than 0, at least {_SHORTEST_RUN:.1e}",
