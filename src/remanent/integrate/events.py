@@ -18,7 +18,7 @@ from remanent.integrate.crossings import (
     with_distances,
 )
 from remanent.integrate.ensemble import dense, short_runs
-from remanent.integrate.ensemble.ensemble import ProgressCallback, integrate
+from remanent.integrate.ensemble.ensemble import integrate
 from remanent.integrate.ensemble.problem import (
     Outcome,
     Problem,
@@ -26,6 +26,7 @@ from remanent.integrate.ensemble.problem import (
     StepWindow,
     merge_outcomes,
 )
+from remanent.integrate.ensemble.progress import ProgressFunction, report_part_of_whole
 from remanent.integrate.methods.runge_kutta import default_method
 from remanent.integrate.variations import observable_derivatives
 
@@ -43,7 +44,7 @@ def find_crossings(
     tolerance: float,
     least_excursion: FloatArray | None = None,
     workers: int | None = None,
-    progress: ProgressCallback | None = None,
+    progress: ProgressFunction | None = None,
 ) -> tuple[Crossings, Outcome]:
     """Every passage of an observable through a value, up to the horizon.
 
@@ -107,6 +108,7 @@ def _crossings_of_parts(
     value: float,
     *,
     least_excursion: FloatArray | None,
+    progress: ProgressFunction | None,
     **options: Any,
 ) -> tuple[Crossings, Outcome]:
     """The same where some runs end early in the first period of their load."""
@@ -119,9 +121,20 @@ def _crossings_of_parts(
     def part_of(chosen: IntArray) -> FloatArray | None:
         return None if least_excursion is None else least_excursion[chosen]
 
+    counts = (slice(0, parts[0].size), slice(parts[0].size, short.size))
     found = [
-        (part, *find_crossings(p, name, value, least_excursion=part_of(part), **options))
-        for part, p in zip(parts, problems, strict=True)
+        (
+            part,
+            *find_crossings(
+                own,
+                name,
+                value,
+                least_excursion=part_of(part),
+                progress=report_part_of_whole(progress, count, short.size),
+                **options,
+            ),
+        )
+        for part, own, count in zip(parts, problems, counts, strict=True)
         if part.size
     ]
     listed = [

@@ -11,12 +11,12 @@ one agrees with the values, else in the intervals beside the largest value, more
 side where it falls more steeply.  The amplitudes of motions that pass a saddle have ripples
 beside their jump, ever narrower towards it.  So other maxima, and the edge of a jump, are looked
 at as long as the function might be as large there; what is left of them counts in the errors.
+Maxima that are equal but for their errors are computed again with smaller ones.
 """
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -35,7 +35,7 @@ EffortFunction = Callable[[IntArray, FloatArray], FloatArray]
 #: New points around the largest value at a time, and around all others: as many as a kernel
 #: advances together.
 _NEW_POINTS = 16
-#: Others that are looked at together, and how many times.
+#: Others that are looked at together, and how many times at each tolerance.
 _OTHERS_AT_A_TIME, _ROUNDS_WITH_OTHERS = 4, 4
 #: A function might be larger beside a point by so many times what its values there tell.
 _RISE_FACTOR = 2.0
@@ -132,9 +132,8 @@ def refine_maxima(
         for v, e, r in zip(values, errors, resolutions, strict=True)
     ]
     spent, is_cut_short = np.zeros(len(tables)), np.zeros(len(tables), dtype=np.bool_)
-    for round_number in itertools.count():
-        most_others = _OTHERS_AT_A_TIME if round_number < _ROUNDS_WITH_OTHERS else 0
-        steps = [t.next_step(most_others) for t in tables]
+    while True:
+        steps = [t.next_step() for t in tables]
         if effort is not None:
             spent += [effort(np.full(p.size, k), p).sum() for k, (_, p) in enumerate(steps)]
             is_cut_short = spent > max_effort
@@ -180,6 +179,11 @@ class _CaseTable:
         Surely smaller places that were known before, or infinite.
     finest : float
         Smallest tolerance that is worth a try: with the next one a value was unknown.
+    rounds : int
+        How many times points were added.
+    left_behind : tuple of (array (place,), float)
+        Places around others that were not computed again with this tolerance, and what the
+        function might come to there.
     """
 
     positions: FloatArray
@@ -190,6 +194,8 @@ class _CaseTable:
     width: float
     outer: tuple[float, float] = (-np.inf, np.inf)
     finest: float = _FINEST_TOLERANCE
+    rounds: int = 0
+    left_behind: tuple[tuple[FloatArray, float], ...] = ()
 
     def peak_indices(self) -> IntArray:
         """Local maxima, ends included, largest first; beside NaN, what is finite is one."""
@@ -214,8 +220,8 @@ class _CaseTable:
     def other_candidates(self, best: int) -> list[tuple[int, float]]:
         """Maxima and edges beside which the function might be larger than at the largest point.
 
-        With what it might come to there, the largest first.  Those are left out whose neighbours
-        are no farther apart than the last bracket.
+        With what it might come to there, the largest first.  Beside an edge whose neighbours are
+        no farther apart than the last bracket nothing else is looked for.
         """
         first, last = self.bracket_indices(best)
         lowest = self.values[best] - self.errors[best]
@@ -224,22 +230,45 @@ class _CaseTable:
             if self._has_valley_between(k, best):
                 possible[k] = self._largest_possible(k, self._hidden_rise(k))
         for k in self.edge_indices().tolist():
-            beside = self._largest_possible(k, _change_beside(self.values, k))
-            possible[k] = max(beside, possible.get(k, beside))
-        others = [
-            k
-            for k, value in possible.items()
-            if value >= lowest
-            and not first < k < last
-            and np.ptp(self._neighbourhood(k)) > self.width
-        ]
+            if not self._is_narrow(k):
+                beside = self._largest_possible(k, _change_beside(self.values, k))
+                possible[k] = max(beside, possible.get(k, beside))
+        others = [k for k, value in possible.items() if value >= lowest and not first < k < last]
         return [(k, possible[k]) for k in sorted(others, key=possible.__getitem__, reverse=True)]
+
+    def _equals(self, best: int) -> list[int]:
+        """Others with narrow neighbourhoods that only errors tell from the largest point."""
+        lowest = self.values[best] - self.errors[best]
+        return [
+            k
+            for k, _ in self.other_candidates(best)
+            if self._is_narrow(k) and self.values[k] + self.errors[k] >= lowest
+        ]
+
+    def _elsewhere(
+        self, best: int, but: Sequence[int] = ()
+    ) -> tuple[tuple[FloatArray, float], ...]:
+        """Places where the function might be larger than at the largest point, and how large."""
+        others, equals = self.other_candidates(best), self._equals(best)
+        around = (
+            (self._inner_bracket(k) if k in equals else self._neighbourhood(k), largest)
+            for k, largest in others
+            if k not in but
+        )
+        unknown = (
+            (self.positions[ends], largest) for ends, largest in self.unknown_stretches(best)
+        )
+        return (*self.left_behind, *around, *unknown)
 
     def _has_valley_between(self, k: int, other: int) -> bool:
         """Whether a point between two is surely smaller than the first."""
         between = slice(min(k, other) + 1, max(k, other))
         smaller = self.values[between] + self.errors[between] < self.values[k] - self.errors[k]
         return bool(smaller.any())
+
+    def _is_narrow(self, k: int) -> bool:
+        """Whether the points beside one are no farther apart than the last bracket."""
+        return bool(np.ptp(self._neighbourhood(k)) <= self.width)
 
     def _neighbourhood(self, k: int) -> FloatArray:
         """The places of a point and of those beside it."""
@@ -285,7 +314,11 @@ class _CaseTable:
             float(self.positions[high]) if high < self.positions.size else self.outer[1],
         )
 
-    def next_step(self, most_others: int) -> tuple[float, FloatArray]:
+    def _inner_bracket(self, k: int) -> FloatArray:
+        """The places of a bracket, or the ends of the table."""
+        return np.clip(self.bracket(k), self.positions[0], self.positions[-1])
+
+    def next_step(self) -> tuple[float, FloatArray]:
         """New points around the largest one and some others, and the tolerance for them.
 
         None at the end.
@@ -295,17 +328,19 @@ class _CaseTable:
             return self.tolerance, np.empty(0)
         best = peaks[0]
         low, high = self.bracket(best)
-        others = self.other_candidates(best)
-        looked_at = [k for k, _ in others[:most_others]]
+        others, equals = [k for k, _ in self.other_candidates(best)], self._equals(best)
+        wide = [k for k in others if not self._is_narrow(k)]
+        open_ones = [k for k in others if k not in equals]
+        looked_at = open_ones[:_OTHERS_AT_A_TIME] if self.rounds < _ROUNDS_WITH_OTHERS else []
         new = [self._points_around(k, _NEW_POINTS // len(looked_at)) for k in looked_at]
         first, last = self.bracket_indices(best)
         is_tight = (first, last) == (best - 1, best + 1) or not np.isfinite(high - low)
-        is_found = (np.ptp(self._neighbourhood(best)) if is_tight else high - low) <= self.width
+        is_found = self._is_narrow(best) if is_tight else high - low <= self.width
         if is_tight and not is_found:
             new.append(self._points_around(best, _NEW_POINTS))
-        elif not is_found and not others:
-            if last - first > _FEW_POINTS:
-                return self._points_with_smaller_errors(low, high)
+        elif not wide and not looked_at and (equals or not is_found):
+            if is_found or last - first > _FEW_POINTS:
+                return self._points_with_smaller_errors([best, *equals[:_OTHERS_AT_A_TIME]])
             new.append(_inner_points(low, high, _NEW_POINTS))
         return self.tolerance, np.setdiff1d(np.concatenate([np.empty(0), *new]), x)
 
@@ -363,17 +398,16 @@ class _CaseTable:
         inside = real[(real > x[1]) & (real < x[3])]
         return float(inside[0]) if inside.size == 1 else None
 
-    def _points_with_smaller_errors(self, low: float, high: float) -> tuple[float, FloatArray]:
-        """The top of the peak once more, which errors hide; none where rounding does."""
+    def _points_with_smaller_errors(self, peaks: list[int]) -> tuple[float, FloatArray]:
+        """The tops of peaks once more, which errors hide; none where rounding does."""
+        brackets = np.array([self._inner_bracket(k) for k in peaks])
         # The width of the top is as the root of the error.
-        narrower = (high - low) / self.width
-        level = self.tolerance * _TOLERANCE_STEP ** np.ceil(
-            -2.0 * np.log(narrower) / np.log(_TOLERANCE_STEP)
-        )
-        level = max(level, self.finest)
+        narrower = max(np.ptp(brackets[0]) / self.width, 1.0)
+        steps = np.ceil(-2.0 * np.log(narrower) / np.log(_TOLERANCE_STEP))
+        level = max(self.tolerance * _TOLERANCE_STEP ** max(steps, 1.0), self.finest)
         if not level < (1.0 - _TOLERANCE_SLACK) * self.tolerance:
             return self.tolerance, np.empty(0)
-        return level, np.unique(np.linspace(low, high, _NEW_POINTS))
+        return level, np.unique(np.linspace(brackets[:, 0], brackets[:, 1], _NEW_POINTS))
 
     def resolutions_beside(self, x: FloatArray, tolerance: float) -> IntArray:
         """What the points on both sides of others needed: the larger; 0 at another tolerance."""
@@ -387,8 +421,14 @@ class _CaseTable:
         if new.tolerance < self.tolerance:
             if not np.isfinite(new.values).all():
                 return replace(self, finest=new.tolerance / _TOLERANCE_STEP)
-            outer = (float(new.positions[0]), float(new.positions[-1]))
-            return replace(new, outer=outer, finest=self.finest)
+            first, last = float(new.positions[0]), float(new.positions[-1])
+            outer = (
+                first if first > self.positions[0] else self.outer[0],
+                last if last < self.positions[-1] else self.outer[1],
+            )
+            best = int(self.peak_indices()[0])
+            left_behind = self._elsewhere(best, but=self._equals(best)[:_OTHERS_AT_A_TIME])
+            return replace(new, outer=outer, finest=self.finest, left_behind=left_behind)
         order = np.argsort(np.concatenate([self.positions, new.positions]), kind="stable")
         return replace(
             self,
@@ -396,6 +436,7 @@ class _CaseTable:
             values=np.concatenate([self.values, new.values])[order],
             errors=np.concatenate([self.errors, new.errors])[order],
             resolutions=np.concatenate([self.resolutions, new.resolutions])[order],
+            rounds=self.rounds + 1,
         )
 
     def best_peak(self) -> tuple[float, float, float, float, bool]:
@@ -412,29 +453,38 @@ class _CaseTable:
         unknown, rise = self.unknown_stretches(k), self._hidden_rise(k)
         value_error = float(self.errors[k]) + (rise if np.isfinite(rise) or not unknown else 0.0)
         reach = [position - low, high - position]
-        for other, largest in self.other_candidates(k):
-            reach += np.abs(self._neighbourhood(other) - position).tolist()
-            value_error = max(value_error, largest - value)
-        for ends, largest in unknown:
-            reach += np.abs(self.positions[ends] - position).tolist()
-            value_error = max(value_error, largest - value)
+        for places, largest in self._elsewhere(k):
+            if largest >= value - float(self.errors[k]):
+                reach += np.abs(places - position).tolist()
+                value_error = max(value_error, largest - value)
         return position, value, max(reach), value_error, bool(np.isfinite(high - low))
 
     def unknown_stretches(self, best: int) -> list[tuple[IntArray, float]]:
         """Where no value is known and the function might be larger than at the largest point.
 
-        Numbers of the known points on both sides, and what it might come to between them: more
-        than the larger of these, by what it changes beside that one.
+        Numbers of the known points on both sides, or of one and the end of the table, and what
+        the function might come to between them: more than the larger of these, by what it changes
+        beside them, on the side where it changes less, in proportion to the width.
         """
-        known = np.flatnonzero(np.isfinite(self.values))
-        v, stretches = self.values[known], []
-        for i in np.flatnonzero(np.diff(known) > 1).tolist():
-            k = i if v[i] >= v[i + 1] else i + 1
-            rise = _RISE_FACTOR_OF_UNKNOWN * _change_beside(v, k)
-            largest = float(v[k] + self.errors[known[k]]) + rise
+        known, last = np.flatnonzero(np.isfinite(self.values)), self.values.size - 1
+        ends = np.concatenate([[-1], known, [last + 1]])
+        stretches = []
+        for below, above in ends[np.flatnonzero(np.diff(ends) > 1)[:, None] + [0, 1]].tolist():
+            width = self.positions[min(above, last)] - self.positions[max(below, 0)]
+            beside = (known[known <= below][::-1], known[known >= above])
+            largest = max(self.values[k[0]] + self.errors[k[0]] for k in beside if k.size)
+            change = min(self._change_along(k[: _NEIGHBOURS + 1], width) for k in beside)
+            largest += _RISE_FACTOR_OF_UNKNOWN * change
             if largest >= self.values[best] - self.errors[best]:
-                stretches.append((known[i : i + 2], largest))
+                stretches.append((np.array([max(below, 0), min(above, last)]), float(largest)))
         return stretches
+
+    def _change_along(self, points: IntArray, width: float) -> float:
+        """How much values change over points, or in proportion over a larger width."""
+        if points.size < 2:
+            return np.inf
+        reach = float(np.ptp(self.positions[points]))
+        return float(np.ptp(self.values[points])) * max(1.0, width / reach)
 
     def _hidden_rise(self, k: int) -> float:
         """How much the function may rise above a maximum, between the points beside it.

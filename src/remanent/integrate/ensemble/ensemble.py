@@ -8,7 +8,7 @@ results are bit-identical however the work is divided.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -26,6 +26,7 @@ from remanent.integrate.ensemble.problem import (
     Request,
     merge_outcomes,
 )
+from remanent.integrate.ensemble.progress import ProgressFunction, report_part_of_whole
 from remanent.integrate.ensemble.refinement import RefinementPolicy
 from remanent.integrate.ensemble.resolution import (
     MAX_RESOLUTION,
@@ -40,8 +41,6 @@ from remanent.integrate.kernel.options import KernelOptions, Method, OwnStepsKin
 #: Looser tolerances are met with this one: with larger errors the difference of two
 #: solutions is no measure of either (2 in 100 bounds at 1e-3 were too small).
 LOOSEST_TOLERANCE_USED = 1e-4
-#: Called with the share of trajectories that are finished.
-ProgressCallback = Callable[[float], None]
 
 
 def integrate(
@@ -53,7 +52,7 @@ def integrate(
     first_resolution: IntArray | None = None,
     max_resolution: int = MAX_RESOLUTION,
     workers: int | None = None,
-    progress: ProgressCallback | None = None,
+    progress: ProgressFunction | None = None,
     sizes: WorkSizes = DEFAULT_WORK_SIZES,
 ) -> Outcome:
     """Integrate every trajectory to the tolerance, or as far as that is possible.
@@ -100,11 +99,20 @@ def integrate(
         )
         first = (None, None if first_resolution is None else first_resolution[parts[1]])
 
+        counts = (slice(0, parts[0].size), slice(parts[0].size, short.size))
+
         def outcomes() -> Iterator[tuple[IntArray, Outcome]]:
-            for part, own, resolution in zip(parts, problems, first, strict=True):
+            for part, own, resolution, count in zip(parts, problems, first, counts, strict=True):
                 if part.size:
                     asked = short_runs.subset_of_request(request, part)
-                    yield part, integrate(own, asked, first_resolution=resolution, **common)
+                    found = integrate(
+                        own,
+                        asked,
+                        first_resolution=resolution,
+                        progress=report_part_of_whole(progress, count, short.size),
+                        **common,
+                    )
+                    yield part, found
 
         return merge_outcomes(short.size, outcomes())
     tolerance = min(tolerance, LOOSEST_TOLERANCE_USED)

@@ -9,9 +9,10 @@ from typing import Any, TypeAlias
 
 from remanent._checks import shortened_repr
 from remanent._errors import InputError
+from remanent.integrate.ensemble.progress import ProgressFunction
 
-#: A function that is called with the share that is done, in [0, 1].
-ProgressFunction: TypeAlias = Callable[[float], None]
+__all__ = ["ProgressArgument", "ProgressFunction", "as_progress"]
+
 #: What verbs accept as ``progress``.
 ProgressArgument: TypeAlias = bool | ProgressFunction | None
 #: Characters of a bar.
@@ -45,15 +46,6 @@ def as_progress(progress: ProgressArgument) -> ProgressFunction | None:
         why="It is told the share that is done, in [0, 1].",
         fix="Pass True for a bar.",
     )
-
-
-def report_part_of_whole(
-    report: ProgressFunction | None, part: slice, count: int
-) -> ProgressFunction | None:
-    """Report of the share done of a `part` of `count` equal pieces of work, as one of the whole."""
-    if report is None:
-        return None
-    return lambda done: report((part.start + done * (part.stop - part.start)) / count)
 
 
 class _ProgressBar:

@@ -22,6 +22,7 @@ from remanent.integrate.ensemble.problem import (
     Request,
     merge_outcomes,
 )
+from remanent.integrate.ensemble.progress import report_part_of_whole
 from remanent.models.drives.base import Drive
 from remanent.models.system import System
 from remanent.results.build import Labelled
@@ -41,12 +42,7 @@ from remanent.studies.ensemble.durations import (
 from remanent.studies.ensemble.ensemble import TRAJECTORIES_PER_BATCH, Ensemble
 from remanent.studies.ensemble.layout import OverArgument, lay_out_ensemble, require_over
 from remanent.studies.ensemble.problem import initial_value_problem
-from remanent.studies.ensemble.progress import (
-    ProgressArgument,
-    ProgressFunction,
-    as_progress,
-    report_part_of_whole,
-)
+from remanent.studies.ensemble.progress import ProgressArgument, ProgressFunction, as_progress
 from remanent.studies.ensemble.quantities import without_unit
 
 _RESONANCE_WIDTH_RULE = positive_rule(
@@ -144,7 +140,8 @@ def frequency_response(
     oscillation that the motion stays near the saddle, ever narrower towards it.  So the maximum is
     found by subdivision.  Its error is the distance to the nearest frequencies whose amplitudes are
     surely smaller, by more than both errors; where ripples are left that might be higher it
-    reaches as far as these, and the error of the amplitude is as large as they might be.
+    reaches as far as these, and the error of the amplitude is as large as they might be.  Of maxima
+    that are equal within the tolerance, those in question are computed again with smaller ones.
 
     Examples
     --------

@@ -222,3 +222,60 @@ def test_points_are_told_what_their_neighbours_needed() -> None:
         seen = np.sort(np.concatenate([seen, at]))
     assert len({level for level, *_ in told}) > 1
     assert len(told) > len({level for level, *_ in told}) + 1
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-7])
+@pytest.mark.parametrize("share", [0.5, 1e-3, 0.0])
+def test_of_two_maxima_that_errors_make_equal_the_larger_is_found(
+    tolerance: float, share: float, sign: float
+) -> None:
+    """Computed with smaller errors; where these do not tell either, the error reaches both."""
+    places = np.array([0.3137, 0.7211])
+    more = share * tolerance
+
+    def measure(_case: IntArray, x: FloatArray, level: float, near: IntArray) -> Columns:
+        values = np.maximum(
+            1.0 - 5.0 * (x - places[0]) ** 2, 1.0 + more - 50.0 * (x - places[1]) ** 2
+        )
+        return values + 0.6 * sign * level * np.sign(x - 0.5), np.full(x.shape, level), near
+
+    x = np.linspace(0.0, 1.0, 201)
+    values, errors, near = measure(NONE, x, tolerance, np.zeros(201, dtype=int))
+    found = refine_maxima(
+        x, values[None], errors[None], near[None], measure, tolerance=tolerance, width=1e-4
+    )
+    away = np.abs(found.position[0] - places)
+    assert away[1] <= found.position_error[0]
+    assert abs(found.value[0] - 1.0 - more) <= found.value_error[0]
+    if more:
+        assert found.position_error[0] <= 1e-4
+    else:
+        assert (away <= found.position_error[0]).all()
+
+
+@pytest.mark.parametrize(
+    ("top", "wide", "unknown"),
+    [(0.7, 0.03, (0.655, 0.745)), (0.05, 0.04, (-1.0, 0.11)), (0.95, 0.04, (0.88, 2.0))],
+)
+def test_errors_reach_a_top_among_unknown_values(
+    top: float, wide: float, unknown: tuple[float, float]
+) -> None:
+    """The values beside the unknown ones rise towards them, inside the table or at its ends."""
+
+    def value(x: FloatArray) -> FloatArray:
+        return 1.0 - 2.0 * (x - 0.4137) ** 2 + 1.2 * np.exp(-(((x - top) / wide) ** 2))
+
+    def measure(_case: IntArray, x: FloatArray, level: float, near: IntArray) -> Columns:
+        is_unknown = (unknown[0] < x) & (x < unknown[1])
+        return np.where(is_unknown, np.nan, value(x)), np.full(x.shape, level), near
+
+    x = np.linspace(0.0, 1.0, 201)
+    values, errors, near = measure(NONE, x, 1e-9, np.zeros(201, dtype=int))
+    found = refine_maxima(
+        x, values[None], errors[None], near[None], measure, tolerance=1e-9, width=1e-6
+    )
+    fine = np.linspace(0.0, 1.0, 100_001)
+    best = value(fine).argmax()
+    assert abs(found.position[0] - fine[best]) <= found.position_error[0]
+    assert value(fine)[best] - found.value[0] <= found.value_error[0]

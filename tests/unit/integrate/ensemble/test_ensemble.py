@@ -378,6 +378,22 @@ def test_progress_rises_to_one() -> None:
     assert shares[-1] == 1.0
 
 
+def test_progress_rises_to_one_with_runs_shorter_than_a_period() -> None:
+    """Runs that end early in the first period of their load are worked on apart, but told of."""
+    whole = driven(10)
+    lengths = np.where(np.arange(10) < 3, 1e4, whole.load_schedule.piece_lengths)
+    cut = replace(whole, load_schedule=replace(whole.load_schedule, piece_lengths=lengths))
+    for find in (
+        lambda report: integrate(cut, Request(), tolerance=1e-9, progress=report),
+        lambda report: find_crossings(cut, "q", 0.0, tolerance=1e-9, progress=report),
+    ):
+        shares: list[float] = []
+        find(shares.append)
+        assert shares == sorted(shares)
+        assert shares[0] <= 0.3
+        assert shares[-1] == 1.0
+
+
 def test_an_interrupted_run_stops() -> None:
     """What `progress` raises comes through, at once."""
 

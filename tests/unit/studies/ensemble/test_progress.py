@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 import remanent as rm
-from remanent.studies.ensemble.progress import as_progress, report_part_of_whole
+from remanent.integrate.ensemble.progress import report_part_of_whole
+from remanent.studies.ensemble.progress import as_progress
 
 BODY, DRIVE = rm.Actuator(), rm.SineSquared(0.4, 1.25)
 DAMPED = rm.Actuator(dissipation=rm.Rayleigh(0.2))
