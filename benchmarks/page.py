@@ -52,12 +52,14 @@ and their errors are those of the end state; ours are those of the extremes. Hol
 settings at which some trajectories failed to meet the error bound.
 """
 _KERNEL = """\
-One double step of one group of lanes: two steps of the fine solution and, for a bound, one of the
-coarse solution and their comparison. Numbers are operations per trajectory that are always done,
-read from the assembly. The share of slots is that of the instructions through the multiply–add
-units in what a loop of nothing but independent multiply–adds issues in the same time on the same
-core; the share of operations counts a multiply–add as two. Divisions, comparisons
-and moves take time and are not counted.
+One double step of a group of *lanes*, the elements of two vectors of the processor, each of which
+carries one motion: two steps and, for a bound, one step of a second solution and the comparison of
+the two. By Runge–Kutta's method the second solution is one with twice the step, by Adams' method
+the first with its errors amplified ([how](explanation/error-bound.md)). Numbers are operations per
+trajectory that are always done, read from the assembly. The share of slots is that of the
+instructions through the multiply–add units in what a loop of nothing but independent multiply–adds
+issues in the same time on the same core; the share of operations counts a multiply–add as two.
+Divisions, comparisons and moves take time and are not counted.
 """
 _STEPS = """\
 Steps taken over those of an oracle, which knows of every motion the least resolution with which
@@ -121,7 +123,8 @@ Whole processes, medians; "first figure" computes and draws a frequency response
 _EXPLORER = """\
 From a changed temperature to new curves by the engine in the page: 500 drive periods at two
 resolutions with the stated error, everything that is drawn, in the Chromium of the system, medians
-once its compiler is warm. Drawing is not counted.
+once its compiler is warm. Drawing is not counted. A stated error of 1 says that
+the two runs have parted: the motion is not known to its end.
 """
 
 

@@ -170,10 +170,10 @@ def chart(data: Any) -> Table:
 def at_equal_error(data: Any) -> Table:
     """Time of tools that are all as exact as asked."""
     rows = [
-        (name, number(one["microseconds"]), error(one["worst"]), error(one["tolerance"]))
+        (name, number(one["microseconds"]), error(one["worst"]), _setting(one))
         for name, one in data["tools"].items()
     ]
-    return Table(("tool", "µs per trajectory and τ", "worst error", "tolerance"), rows)
+    return Table(("tool", "µs per trajectory and τ", "worst error", "setting"), rows)
 
 
 def studies(data: Any) -> Table:

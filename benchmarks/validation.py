@@ -55,6 +55,8 @@ _LAWS = """\
 
 A law is a statement that is true of every result, whatever the parameters. The tests that hold it
 cite it by its name; [the page on laws](explanation/laws.md) has the equations.
+In the table $p$ is the order of a method, $e$ the true error, $\\hat e$ the reported one and
+$\\varepsilon$ the tolerance.
 """
 _EXACT = """\
 ## Exact cases
@@ -87,9 +89,9 @@ Standard errors promise that 68 % of the true errors are smaller:
 _TESTS = """\
 ## How much the tests see
 
-Lines that hold a statement and ways out of a branch, counted together, and the share of them that
-the tests of `make test` take, by subpackage. `make coverage` measures it, and fails where the
-numeric core, which decides the numbers that a user gets, is not above 95 %.
+Coverage of lines and branches by the tests of `make test`, counted together, by subpackage.
+`make coverage` measures it, and fails where the numeric core, which decides the numbers that a user
+gets, is not above 95 %.
 """
 _SPEED = """\
 ## Speed against peers
@@ -399,7 +401,7 @@ def _of_tests() -> Iterator[str]:
          str(row["num_branches"]), _percent(row["share"]))
         for name, row in lines["packages"].items()
     )  # fmt: skip
-    yield _table(["subpackage", "lines:", "ways out of branches:", "taken:"], rows)
+    yield _table(["subpackage", "lines:", "branches:", "covered:"], rows)
     if mutants is not None:
         yield _sentence_on_mutants(mutants["at first"], mutants["packages"]["in all"])
 

@@ -1,6 +1,6 @@
 """Which pressure bursts a rubber balloon, slowly and suddenly?
 
-Slowly 1.2394 μH/R, the fold at λ = 7^(1/6). Suddenly 1.1121, since the balloon
+Slowly 1.2395 μH/R, the fold at λ = 7^(1/6). Suddenly 1.1121, since the balloon
 overshoots: a step that is larger by a thousandth bursts it, one that is smaller leaves
 it swinging.
 

@@ -87,7 +87,8 @@ def measure(plan: Plan) -> dict[str, Any]:
         plan.say(f"biaxial: {name}: {microseconds:.3g} µs, worst error {tool.worst:.1e}")
         rows[name] = {
             "microseconds": microseconds,
-            "tolerance": tool.tolerance,
+            "setting": tool.tolerance,
+            "setting_name": "tolerance",
             "worst": tool.worst,
             "met": tool.worst <= LIMIT,
         }

@@ -68,13 +68,14 @@ _OURS_ONCE = "remanent, once"
 
 @dataclass(frozen=True)
 class _Prepared:
-    """A tool at its tolerance: how to run it, and over how many trajectories and units of time."""
+    """A tool at its setting: how to run it, and over how many trajectories and units of time."""
 
     run: Callable[[], object]
     amount: float
-    tolerance: float
+    setting: float
     worst: float
     limit: float
+    setting_name: str = "tolerance"
 
 
 def measure_response(plan: Plan) -> dict[str, Any]:
@@ -107,16 +108,22 @@ def measure_response(plan: Plan) -> dict[str, Any]:
         exact: FloatArray,
         most: int = 0,
         settings: Sequence[float] = TOLERANCES,
+        setting_name: str = "tolerance",
     ) -> _Prepared:
-        tolerance, worst = _loosest(lambda t: np.abs(run(sample, t) - exact).max(), LIMIT, settings)
+        setting, worst = _loosest(lambda s: np.abs(run(sample, s) - exact).max(), LIMIT, settings)
         timed = omega[:: max(1, omega.size // most)] if most else omega
         amount = timed.size * _WINDOW
-        return _Prepared(lambda: run(timed, tolerance), amount, tolerance, worst, LIMIT)
+        return _Prepared(lambda: run(timed, setting), amount, setting, worst, LIMIT, setting_name)
 
     with one_core():
         tools = {
             _OURS: prepared(ours, extremes),
-            _OURS_FIXED: prepared(_without_bound, extremes, settings=ours_on_actuators.RESOLUTIONS),
+            _OURS_FIXED: prepared(
+                _without_bound,
+                extremes,
+                settings=ours_on_actuators.FIXED.settings,
+                setting_name=ours_on_actuators.FIXED.setting_name,
+            ),
         }
         for peer in _present(plan):
             tools[peer.name] = prepared(theirs(peer), ends, peer.sample)
@@ -209,7 +216,8 @@ def _measured(plan: Plan, work: str, tools: dict[str, _Prepared]) -> dict[str, A
         plan.say(f"double well, {work}: {name}: {microseconds:.3g} µs, worst {tool.worst:.1e}")
         rows[name] = {
             "microseconds": microseconds,
-            "tolerance": tool.tolerance,
+            "setting": tool.setting,
+            "setting_name": tool.setting_name,
             "worst": tool.worst,
             "met": tool.worst <= tool.limit,
         }

@@ -158,7 +158,7 @@ def test_nothing_holds_beyond_the_largest_pressure_and_the_pull_in_voltage(stret
     """A balloon loses its rest at V^2 = 7/l^8 - 1/l^2, P = 4/l - 16/l^7.
 
     Two equilibria below, none above.  From P = 0, V = 0.6874 at l = 4^(1/6) to V = 0,
-    P = 1.2394 at l = 7^(1/6).
+    P = 1.2395 at l = 7^(1/6).
     """
     voltage = max(7.0 / stretch**8 - 1.0 / stretch**2, 0.0) ** 0.5
     pressure = 4.0 / stretch - 16.0 / stretch**7
@@ -176,7 +176,7 @@ def test_nothing_holds_beyond_the_largest_pressure_and_the_pull_in_voltage(stret
 
 
 def test_a_step_of_pressure_bursts_the_balloon_below_the_largest_that_it_holds() -> None:
-    """A pressure P that comes at once bursts a balloon beyond 1.1121, a slow one beyond 1.2394.
+    """A pressure P that comes at once bursts a balloon beyond 1.1121, a slow one beyond 1.2395.
 
     It goes over the unstable equilibrium if P > P_step, the largest value of
     3 (l^2 + l^-4/2 - 3/2)/(l^3 - 1), where the energy suffices.

@@ -151,7 +151,7 @@ def test_stable_equilibria_of_lorenz(rho: float) -> None:
 
 
 def test_the_balloon_has_its_largest_pressure_where_it_is_known() -> None:
-    """The pressure in a balloon, 2/l - 2/l^7, is largest at l = 7^(1/6), where it is 1.2394.
+    """The pressure in a balloon, 2/l - 2/l^7, is largest at l = 7^(1/6), where it is 1.2395.
 
     Beyond it nothing holds.  The frequency of small oscillations is 2 + 10/l^6 - 2 P l -
     6 V^2 l^2, squared.

@@ -55,7 +55,7 @@ def within(values: Any, errors: Any, exact: Any) -> bool:
 
 @pytest.mark.parametrize("voltage", [0.0, 0.1, 0.2])
 def test_a_balloon_holds_no_more_than_the_largest_pressure(voltage: float) -> None:
-    """P = 2/x - 2/x^7 - 2 V x is largest at the fold: at V = 0, x = 7^(1/6) and P = 1.2394."""
+    """P = 2/x - 2/x^7 - 2 V x is largest at the fold: at V = 0, x = 7^(1/6) and P = 1.2395."""
     ds = rm.snap_through(
         BALLOON, "pressure.m", (0.0, 2.0), m={"voltage": voltage}, state_box=INFLATED
     )
