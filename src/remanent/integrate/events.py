@@ -112,35 +112,25 @@ def _crossings_of_parts(
     **options: Any,
 ) -> tuple[Crossings, Outcome]:
     """The same where some runs end early in the first period of their load."""
-    parts = (np.flatnonzero(short), np.flatnonzero(~short))
-    problems = (
-        short_runs.as_one_piece(short_runs.subset(problem, parts[0])),
-        short_runs.subset(problem, parts[1]),
-    )
-
-    def part_of(chosen: IntArray) -> FloatArray | None:
-        return None if least_excursion is None else least_excursion[chosen]
-
-    counts = (slice(0, parts[0].size), slice(parts[0].size, short.size))
     found = [
         (
-            part,
+            indices,
             *find_crossings(
-                own,
+                part,
                 name,
                 value,
-                least_excursion=part_of(part),
-                progress=report_part_of_whole(progress, count, short.size),
+                least_excursion=None if least_excursion is None else least_excursion[indices],
+                progress=report_part_of_whole(progress, place, short.size),
                 **options,
             ),
         )
-        for part, own, count in zip(parts, problems, counts, strict=True)
-        if part.size
+        for indices, part, place in short_runs.split(problem, short)
     ]
     listed = [
-        replace(crossings, trajectory=part[crossings.trajectory]) for part, crossings, _ in found
+        replace(crossings, trajectory=indices[crossings.trajectory])
+        for indices, crossings, _ in found
     ]
-    outcome = merge_outcomes(short.size, [(part, outcome) for part, _, outcome in found])
+    outcome = merge_outcomes(short.size, [(indices, outcome) for indices, _, outcome in found])
     joined = Crossings.concatenated(listed, problem.initial_states.shape[1])
     return joined.sorted_up_to(np.minimum(outcome.horizon, problem.duration)), outcome
 

@@ -11,7 +11,7 @@ one agrees with the values, else in the intervals beside the largest value, more
 side where it falls more steeply.  The amplitudes of motions that pass a saddle have ripples
 beside their jump, ever narrower towards it.  So other maxima, and the edge of a jump, are looked
 at as long as the function might be as large there; what is left of them counts in the errors.
-Maxima that are equal but for their errors are computed again with smaller ones.
+Maxima that only their errors make equal are computed again with smaller errors.
 """
 
 from __future__ import annotations
@@ -236,24 +236,26 @@ class _CaseTable:
         others = [k for k, value in possible.items() if value >= lowest and not first < k < last]
         return [(k, possible[k]) for k in sorted(others, key=possible.__getitem__, reverse=True)]
 
-    def _equals(self, best: int) -> list[int]:
-        """Others with narrow neighbourhoods that only errors tell from the largest point."""
+    def _equal_maxima(self, best: int, others: Sequence[int]) -> list[int]:
+        """Those of the others, with narrow neighbourhoods, that are as large within the errors."""
         lowest = self.values[best] - self.errors[best]
         return [
-            k
-            for k, _ in self.other_candidates(best)
-            if self._is_narrow(k) and self.values[k] + self.errors[k] >= lowest
+            k for k in others if self._is_narrow(k) and self.values[k] + self.errors[k] >= lowest
         ]
 
-    def _elsewhere(
-        self, best: int, but: Sequence[int] = ()
+    def _places_that_might_be_larger(
+        self, best: int, computed_again: int = 0
     ) -> tuple[tuple[FloatArray, float], ...]:
-        """Places where the function might be larger than at the largest point, and how large."""
-        others, equals = self.other_candidates(best), self._equals(best)
+        """Places where the function might be larger than at the largest point, and how large.
+
+        Without the first equal maxima, which are computed again.
+        """
+        others = dict(self.other_candidates(best))
+        equals = self._equal_maxima(best, list(others))
         around = (
             (self._inner_bracket(k) if k in equals else self._neighbourhood(k), largest)
-            for k, largest in others
-            if k not in but
+            for k, largest in others.items()
+            if k not in equals[:computed_again]
         )
         unknown = (
             (self.positions[ends], largest) for ends, largest in self.unknown_stretches(best)
@@ -328,10 +330,11 @@ class _CaseTable:
             return self.tolerance, np.empty(0)
         best = peaks[0]
         low, high = self.bracket(best)
-        others, equals = [k for k, _ in self.other_candidates(best)], self._equals(best)
+        others = [k for k, _ in self.other_candidates(best)]
+        equals = self._equal_maxima(best, others)
         wide = [k for k in others if not self._is_narrow(k)]
-        open_ones = [k for k in others if k not in equals]
-        looked_at = open_ones[:_OTHERS_AT_A_TIME] if self.rounds < _ROUNDS_WITH_OTHERS else []
+        undecided = [k for k in others if k not in equals]
+        looked_at = undecided[:_OTHERS_AT_A_TIME] if self.rounds < _ROUNDS_WITH_OTHERS else []
         new = [self._points_around(k, _NEW_POINTS // len(looked_at)) for k in looked_at]
         first, last = self.bracket_indices(best)
         is_tight = (first, last) == (best - 1, best + 1) or not np.isfinite(high - low)
@@ -427,7 +430,7 @@ class _CaseTable:
                 last if last < self.positions[-1] else self.outer[1],
             )
             best = int(self.peak_indices()[0])
-            left_behind = self._elsewhere(best, but=self._equals(best)[:_OTHERS_AT_A_TIME])
+            left_behind = self._places_that_might_be_larger(best, _OTHERS_AT_A_TIME)
             return replace(new, outer=outer, finest=self.finest, left_behind=left_behind)
         order = np.argsort(np.concatenate([self.positions, new.positions]), kind="stable")
         return replace(
@@ -450,10 +453,11 @@ class _CaseTable:
         k = peaks[0]
         position, value = float(self.positions[k]), float(self.values[k])
         low, high = self.bracket(k)
-        unknown, rise = self.unknown_stretches(k), self._hidden_rise(k)
-        value_error = float(self.errors[k]) + (rise if np.isfinite(rise) or not unknown else 0.0)
+        value_error, rise = float(self.errors[k]), self._hidden_rise(k)
+        if np.isfinite(rise) or not self.unknown_stretches(k):
+            value_error += rise
         reach = [position - low, high - position]
-        for places, largest in self._elsewhere(k):
+        for places, largest in self._places_that_might_be_larger(k):
             if largest >= value - float(self.errors[k]):
                 reach += np.abs(places - position).tolist()
                 value_error = max(value_error, largest - value)

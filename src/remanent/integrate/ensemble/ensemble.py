@@ -92,27 +92,20 @@ def integrate(
     if short.any():
         common: dict[str, Any] = {"method": method, "max_resolution": max_resolution}
         common |= {"tolerance": tolerance, "workers": workers, "sizes": sizes}
-        parts = (np.flatnonzero(short), np.flatnonzero(~short))
-        problems = (
-            short_runs.as_one_piece(short_runs.subset(problem, parts[0])),
-            short_runs.subset(problem, parts[1]),
-        )
-        first = (None, None if first_resolution is None else first_resolution[parts[1]])
-
-        counts = (slice(0, parts[0].size), slice(parts[0].size, short.size))
 
         def outcomes() -> Iterator[tuple[IntArray, Outcome]]:
-            for part, own, resolution, count in zip(parts, problems, first, counts, strict=True):
-                if part.size:
-                    asked = short_runs.subset_of_request(request, part)
-                    found = integrate(
-                        own,
-                        asked,
-                        first_resolution=resolution,
-                        progress=report_part_of_whole(progress, count, short.size),
+            for indices, part, place in short_runs.split(problem, short):
+                known = None if place.start == 0 else first_resolution
+                yield (
+                    indices,
+                    integrate(
+                        part,
+                        short_runs.subset_of_request(request, indices),
+                        first_resolution=None if known is None else known[indices],
+                        progress=report_part_of_whole(progress, place, short.size),
                         **common,
-                    )
-                    yield part, found
+                    ),
+                )
 
         return merge_outcomes(short.size, outcomes())
     tolerance = min(tolerance, LOOSEST_TOLERANCE_USED)

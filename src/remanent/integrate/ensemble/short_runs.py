@@ -9,6 +9,7 @@ run becomes one piece, with the coefficients as its parameters.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -46,6 +47,14 @@ def where_short(problem: Problem, request: Request | None = None) -> BoolArray:
     if short.any():
         short[short] = _polynomials(problem, share[short])[1]
     return np.asarray(short)
+
+
+def split(problem: Problem, short: BoolArray) -> Iterator[tuple[IntArray, Problem, slice]]:
+    """The short runs as one piece, then the others: indices, problem, and place in this order."""
+    chosen, others = np.flatnonzero(short), np.flatnonzero(~short)
+    yield chosen, as_one_piece(subset(problem, chosen)), slice(0, chosen.size)
+    if others.size:
+        yield others, subset(problem, others), slice(chosen.size, short.size)
 
 
 def subset(problem: Problem, indices: IntArray) -> Problem:

@@ -42,8 +42,8 @@ if hasattr(os, "register_at_fork"):
     )
 #: Steps of single trajectories that machine code does before it comes back: about 0.1 s.
 _STEPS_PER_CALL = 1_000_000
-#: How much LLVM optimises, and a source of more letters, as of many states with all their tangents
-#: or of some in wide vectors.
+#: Levels to which LLVM optimises a source, and one of more letters: that of many states with all
+#: their tangents, or of fewer in wide vectors.
 _SPEED_LEVEL, _SPEED_LEVEL_OF_LARGE = 3, 1
 _LARGE_SOURCE_LETTERS = 1_000_000
 

@@ -217,9 +217,8 @@ class ExtremeTracker:
     def any_lane_near_tracking_limit(self, time: Lanes) -> ir.Value:
         """Whether one of the group begins or ends to be followed within two cycles of a time.
 
-        Also if it is not followed at that time.
-
-        Only then must the ends be looked for in every step.
+        It is true as well if one is not followed at that time.  Only then must the ends be looked
+        for in every step.
         """
         before = time - self.run_constants.cycle_length * 2.0
         after = time + self.run_constants.cycle_length * 2.0

@@ -140,8 +140,8 @@ def frequency_response(
     oscillation that the motion stays near the saddle, ever narrower towards it.  So the maximum is
     found by subdivision.  Its error is the distance to the nearest frequencies whose amplitudes are
     surely smaller, by more than both errors; where ripples are left that might be higher it
-    reaches as far as these, and the error of the amplitude is as large as they might be.  Of maxima
-    that are equal within the tolerance, those in question are computed again with smaller ones.
+    reaches as far as these, and the error of the amplitude is as large as they might be.  Maxima
+    that only their errors make equal are computed again with smaller tolerances.
 
     Examples
     --------

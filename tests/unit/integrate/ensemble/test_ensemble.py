@@ -379,7 +379,7 @@ def test_progress_rises_to_one() -> None:
 
 
 def test_progress_rises_to_one_with_runs_shorter_than_a_period() -> None:
-    """Runs that end early in the first period of their load are worked on apart, but told of."""
+    """Runs that end early in the first period are integrated apart; their progress counts too."""
     whole = driven(10)
     lengths = np.where(np.arange(10) < 3, 1e4, whole.load_schedule.piece_lengths)
     cut = replace(whole, load_schedule=replace(whole.load_schedule, piece_lengths=lengths))
